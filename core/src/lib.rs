@@ -1,0 +1,3 @@
+//! Online stage.
+#![no_std]
+#![forbid(unsafe_code)]
