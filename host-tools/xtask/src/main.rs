@@ -1,2 +1,52 @@
-//! To be written.
-fn main() {}
+//! `cargo xtask`: the one entry for set-up, tests and the page, the same for a person and for CI.
+
+mod command;
+mod explore;
+mod setup;
+mod test;
+mod wasm;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
+
+/// Developer tasks of capsule-rom.
+#[derive(Parser)]
+#[command(name = "cargo xtask", version, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask explore            build the page and serve it with the shipped model
+  cargo xtask test               run every test, installing what is missing
+  cargo xtask test --only rust   run the native tests alone";
+
+#[derive(Subcommand)]
+enum Task {
+    /// Install what the other tasks need: Rust targets, Debian packages, npm modules
+    Setup,
+    /// Build the WebAssembly module into explorer/src/wasm
+    Wasm,
+    /// Build CapsuleExplorer and serve it on 127.0.0.1 with the shipped model
+    Explore(explore::Options),
+    /// Run lints and all tests: native, firmware under QEMU, page in Chromium
+    Test(test::Options),
+}
+
+/// The root of the repository.
+fn root() -> PathBuf {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    manifest.ancestors().nth(2).unwrap_or(manifest).to_path_buf()
+}
+
+fn main() -> Result<()> {
+    match Arguments::parse().task {
+        Task::Setup => setup::everything(),
+        Task::Wasm => wasm::build(),
+        Task::Explore(options) => explore::explore(&options),
+        Task::Test(options) => test::test(&options),
+    }
+}

@@ -1,0 +1,106 @@
+//! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
+
+use crate::command::{command, command_in, run};
+use crate::{explore, root, setup};
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use std::time::Instant;
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Run these stages alone
+    #[arg(long, value_enum, value_delimiter = ',')]
+    only: Vec<Stage>,
+    /// Fail when a stage's tools are missing, instead of leaving the stage out (CI does)
+    #[arg(long, env = "CI", value_parser = clap::builder::FalseyValueParser::new())]
+    require_all: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Stage {
+    /// rustfmt, clippy, rustdoc
+    Lint,
+    /// unit, property and command tests of every crate
+    Rust,
+    /// the core on an emulated Cortex-M4F
+    Firmware,
+    /// the page: types, lint, and a drive through it in Chromium
+    Browser,
+}
+
+impl Stage {
+    const ALL: [Self; 4] = [Self::Lint, Self::Rust, Self::Firmware, Self::Browser];
+
+    /// Brings what the stage needs beyond rustup.
+    fn set_up(self) -> Result<()> {
+        match self {
+            Self::Lint | Self::Rust => Ok(()),
+            Self::Firmware => {
+                setup::rust_target("thumbv7em-none-eabihf")?;
+                setup::debian_package("qemu-system-arm", "qemu-system-arm")
+            }
+            Self::Browser => {
+                setup::rust_target("wasm32-unknown-unknown")?;
+                setup::debian_package("chromium", "chromium")?;
+                setup::npm_modules("explorer")?;
+                setup::npm_modules("tests/browser")
+            }
+        }
+    }
+
+    fn run(self) -> Result<()> {
+        match self {
+            Self::Lint => {
+                run(&mut command("cargo fmt --all --check"))?;
+                run(&mut command(
+                    "cargo clippy --quiet --workspace --all-targets -- -D warnings",
+                ))?;
+                run(command("cargo doc --quiet --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))
+            }
+            Self::Rust => run(&mut command("cargo test --workspace")),
+            Self::Firmware => run(&mut command("cargo run --quiet --package capsule-firmware-test")),
+            Self::Browser => {
+                explore::build()?;
+                run(&mut command("cargo build --quiet --package capsule-cli"))?;
+                run(&mut command_in(&root().join("explorer"), "npm run check"))?;
+                run(&mut command_in(&root().join("explorer"), "npm run lint"))?;
+                run(&mut command_in(&root().join("tests/browser"), "npm test"))
+            }
+        }
+    }
+}
+
+/// Runs the stages; fails if one failed.
+pub fn test(options: &Options) -> Result<()> {
+    let mut report = Vec::new();
+    let mut failed = false;
+    for stage in Stage::ALL {
+        if !options.only.is_empty() && !options.only.contains(&stage) {
+            continue;
+        }
+        let start = Instant::now();
+        let line = match stage.set_up() {
+            Err(error) => {
+                failed |= options.require_all;
+                format!("LEFT OUT, tools are missing:\n    {error:#}")
+            }
+            Ok(()) => match stage.run() {
+                Ok(()) => "passed".to_owned(),
+                Err(error) => {
+                    failed = true;
+                    format!("FAILED: {error:#}")
+                }
+            },
+        };
+        report.push(format!(
+            "{:<10} {:>6.0} s  {line}",
+            format!("{stage:?}").to_lowercase(),
+            start.elapsed().as_secs_f64()
+        ));
+    }
+    println!("\n{}", report.join("\n"));
+    if failed {
+        bail!("not all stages passed");
+    }
+    Ok(())
+}

@@ -1,0 +1,38 @@
+//! The WebAssembly module of the page: cargo, then wasm-bindgen as a library (so that it is always the version of the
+//! crate), then wasm-opt from the page's npm modules.
+
+use crate::command::{command, run};
+use crate::{root, setup};
+use anyhow::{Context, Result};
+use std::path::PathBuf;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Builds `explorer/src/wasm/`.
+pub fn build() -> Result<()> {
+    setup::rust_target(TARGET)?;
+    run(&mut command(&format!(
+        "cargo build --quiet --package capsule-wasm --profile wasm --target {TARGET}"
+    )))?;
+    let module = target_directory().join(TARGET).join("wasm/capsule_wasm.wasm");
+    let folder = root().join("explorer/src/wasm");
+    wasm_bindgen_cli_support::Bindgen::new()
+        .input_path(&module)
+        .web(true)?
+        .typescript(true)
+        .generate(&folder)
+        .with_context(|| format!("wasm-bindgen on {}", module.display()))?;
+    optimise(&folder.join("capsule_wasm_bg.wasm"))
+}
+
+fn optimise(module: &std::path::Path) -> Result<()> {
+    setup::npm_modules("explorer")?;
+    let wasm_opt = root().join("explorer/node_modules/.bin/wasm-opt");
+    run(command(&wasm_opt.to_string_lossy())
+        .args(["-O3", "--all-features", "-o"])
+        .args([module, module]))
+}
+
+fn target_directory() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |set| root().join(set))
+}
