@@ -1,1 +1,38 @@
-//! To be written.
+//! Full-order model of a microcapsule flowing in a square channel (Boubehziz et al., Entropy 2021, 23, 1193; "the
+//! paper"): boundary integrals for the flow, finite elements for the neo-Hookean membrane.
+//!
+//! Lengths are in l (half the channel's side: y and z in [-1, 1], flow along x), velocities in the mean velocity V,
+//! time in l/V, stress in mu V/l, tension in G_s.
+
+pub mod flow;
+pub mod mesh;
+pub mod symmetry;
+
+pub use mesh::Mesh;
+pub use symmetry::Symmetry;
+
+/// What can go wrong in the full-order model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FomError {
+    /// The mesh frequency is out of range.
+    #[error(
+        "mesh frequency {frequency} is out of range: it must be {} to {}",
+        mesh::MINIMUM_FREQUENCY,
+        mesh::MAXIMUM_FREQUENCY
+    )]
+    MeshFrequency {
+        /// The frequency asked for.
+        frequency: usize,
+    },
+    /// The mesh lacks the symmetry of the square.
+    #[error(
+        "node {node} at {point:?} has no mirror image in the sector 0 <= z <= y: the mesh lacks the symmetry of the square"
+    )]
+    Asymmetric {
+        /// Index of the node.
+        node: usize,
+        /// Its reference position.
+        point: [f64; 3],
+    },
+}
