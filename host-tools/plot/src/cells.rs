@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
 
-const BAR_WIDTH: u32 = 78;
+const BAR_WIDTH: u32 = 92;
 
 /// A panel of cells `(x, y, value)`.
 pub struct Cells {
@@ -106,7 +106,7 @@ impl Cells {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.unit, (TEXT, 15))
             .margin(10)
-            .y_label_area_size(44)
+            .y_label_area_size(52)
             .x_label_area_size(42)
             .build_cartesian_2d(0.0..1.0, shown.clone())?;
         chart

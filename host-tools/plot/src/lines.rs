@@ -214,7 +214,11 @@ fn equalise(xs: &mut Range<f64>, ys: &mut Range<f64>, aspect: f64) {
 /// Four significant digits, without trailing zeros; powers of ten outside the comfortable range.
 pub(crate) fn label(value: f64) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+    // Ticks of an axis through zero come out as -2e-16; nothing that is plotted here is that small.
+    if size < 1e-14 {
+        return "0".to_owned();
+    }
+    if !(1e-3..1e5).contains(&size) {
         return format!("{value:.0e}");
     }
     let text = format!("{value:.4}");
