@@ -1,0 +1,241 @@
+//! The payload of a model file: ONE postcard message of the struct [`Contents`].
+//!
+//! Every array is a [`Blob`]: little-endian numbers behind a pad whose length lands them on a 16-byte boundary of the
+//! file, so that they are read where they lie. [`encode`](super::encode) chooses the pads; a writer leaves them empty.
+//!
+//! # State
+//! Mode 0 of both fields is the axial translation and has no column in the mode matrices: coefficient 0 of the
+//! displacement is `sqrt(N_x) X_c` with `X_c` the axial position of the volume centroid, coefficient 0 of the velocity
+//! is `sqrt(N_x) U` with `U = dX_c/dt`. Coefficient `k >= 1` belongs to column `k - 1` of the mode matrix. The shape
+//! displacement is measured in the centroid's frame from the reference node times a/l: `x = (a/l) X + Phi alpha`,
+//! so the initial shape is in the data at t = 0. The shape velocity is `v - U e_x`.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// The most clusters that a file may hold.
+pub const MAX_CLUSTERS: usize = 4;
+/// The most named node sets that a file may hold.
+pub const MAX_NODE_SETS: usize = 8;
+/// The number of parameters: capillary number and confinement.
+pub const PARAMETERS: usize = 2;
+
+/// The whole message.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contents<'a> {
+    /// What the model is and where it comes from.
+    #[serde(borrow)]
+    pub metadata: Metadata<'a>,
+    /// Surface mesh and its symmetry.
+    pub mesh: Mesh<'a>,
+    /// Stored instants `[N_t, 1]` in l/V, strictly rising from 0.
+    pub times: Matrix<'a>,
+    /// Instants `[N_e, 1]` in l/V of the stored leave-one-out errors, strictly rising.
+    pub error_times: Matrix<'a>,
+    /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between.
+    pub steady_limit: Matrix<'a>,
+    /// Method that a caller should take when it has no wish of its own.
+    pub default_method: Method,
+    /// Settings of [`Method::Direct`].
+    pub kernel: Kernel,
+    /// Settings of [`Method::Paper`].
+    pub paper: Paper,
+    /// Clusters by rising confinement; neighbours share their border.
+    pub clusters: Vec<Cluster<'a>, MAX_CLUSTERS>,
+}
+
+/// What the model is and where it comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Metadata<'a> {
+    /// Title for people.
+    pub title: &'a str,
+    /// Units, in words.
+    pub units: &'a str,
+    /// Constitutive law of the membrane.
+    pub membrane_law: &'a str,
+    /// Parameters in the order capillary number, confinement.
+    #[serde(borrow)]
+    pub parameters: [Parameter<'a>; PARAMETERS],
+    /// Digest of the snapshot database (hexadecimal text).
+    pub database_digest: &'a str,
+    /// Settings of the offline stage, as JSON text.
+    pub offline_settings: &'a str,
+    /// Creation time, seconds since 1970-01-01 UTC.
+    pub created_unix_s: u64,
+}
+
+/// One parameter and the range in which the model was sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Parameter<'a> {
+    /// Name, such as `capillary_number`.
+    pub name: &'a str,
+    /// Least sampled value.
+    pub min: f64,
+    /// Greatest sampled value.
+    pub max: f64,
+}
+
+/// Surface mesh: P2 triangles, stored with what symmetry cannot derive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mesh<'a> {
+    /// Number of nodes N_x of the full mesh.
+    pub nodes: u32,
+    /// `u16 [N_e, 6]`: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
+    #[serde(borrow)]
+    pub elements: Blob<'a>,
+    /// Reference nodes of the sector on the UNIT sphere, `[N_s, 3]`.
+    pub sector_reference: Matrix<'a>,
+    /// `u16 [N_s]`: full index of each sector node.
+    pub sector_nodes: Blob<'a>,
+    /// `u16 [N_x]`: sector node (index into the sector) that represents each full node.
+    pub representative: Blob<'a>,
+    /// `u8 [N_x]`: operation 0..8 that carries the representative to the node. Bit 2: swap y and z (first); bit 0:
+    /// y -> -y; bit 1: z -> -z. A sector node's own operation is 0.
+    pub operation: Blob<'a>,
+    /// Named lists of nodes; [`MIDPLANE`](super::MIDPLANE) and [`DIAGONAL`](super::DIAGONAL) must be there.
+    pub node_sets: Vec<NodeSet<'a>, MAX_NODE_SETS>,
+}
+
+/// A named list of nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NodeSet<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// `u16 [n]`: full node indices; an outline runs from the front pole to the rear pole.
+    #[serde(borrow)]
+    pub nodes: Blob<'a>,
+}
+
+/// The double POD of one part of the parameter domain, and its samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cluster<'a> {
+    /// Least confinement that the cluster answers for.
+    pub confinement_min: f64,
+    /// Greatest confinement that the cluster answers for.
+    pub confinement_max: f64,
+    /// Samples `[N_c, 2]`: rows (Ca, a/l), all different.
+    #[serde(borrow)]
+    pub samples: Matrix<'a>,
+    /// Displacement.
+    pub displacement: Field<'a>,
+    /// Velocity.
+    pub velocity: Field<'a>,
+    /// `Phi_u^T Phi_v` `[K_u, K_v]` over the full mesh, translation included (entry (0, 0) is 1, the rest of row and
+    /// column 0 is 0).
+    pub cross_product: Matrix<'a>,
+    /// Leave-one-out errors of [`Method::Direct`].
+    pub direct_errors: Errors<'a>,
+    /// Leave-one-out errors of [`Method::Paper`].
+    pub paper_errors: Errors<'a>,
+}
+
+/// One field's double POD (eqs. 15 to 22): value(t_i, theta_j) = Phi A(t_i) Psi_j^T.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Field<'a> {
+    /// Shape modes `[3 N_s, K - 1]` at the sector nodes (rows x, y, z of node 0, then of node 1 ...), orthonormal over
+    /// the FULL mesh.
+    #[serde(borrow)]
+    pub modes: Matrix<'a>,
+    /// Coefficients `[N_t K, K_c]`: A(t_0), A(t_1) ..., each `[K, K_c]`; row 0 of each is the translation.
+    pub coefficients: Matrix<'a>,
+    /// Parameter modes `[N_c, K_c]`.
+    pub parameter_modes: Matrix<'a>,
+}
+
+/// Leave-one-out errors at the samples of a cluster, by one method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Errors<'a> {
+    /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`: modified Hausdorff
+    /// distance in the laboratory frame, fraction of a.
+    #[serde(borrow)]
+    pub left_out: Matrix<'a>,
+    /// `[N_c, 1]`: deviation of the weights of that prediction, > 0.
+    pub deviation: Matrix<'a>,
+    /// Error that remains at a sample itself (truncation, storage), fraction of a.
+    pub floor: f64,
+}
+
+/// How a query is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Method {
+    /// Interpolated coefficients evaluated at the instant: a quintic kernel in the parameters, cubic Hermite in time.
+    Direct,
+    /// Algorithm 2 of the paper: diffuse approximation, local POD, learned manifold, forward Euler.
+    Paper,
+}
+
+/// Settings of the kernel interpolation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kernel {
+    /// Number of nearest samples that take part.
+    pub neighbours: u16,
+    /// s in the coordinates (s sqrt(Ca), a/l) in which distances are taken.
+    pub capillary_scale: f64,
+}
+
+/// Settings of Algorithm 2.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Paper {
+    /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
+    pub neighbours: u16,
+    /// r: weight of Ca against a/l in the distance (eq. 27 with r on Ca, as Figure 5 shows it).
+    pub capillary_scale: f64,
+    /// R as a multiple of the distance of the M-th sample; > 1, or that sample has no weight.
+    pub radius: f64,
+    /// m_u: rank of the local displacement basis, translation included.
+    pub displacement_rank: u16,
+    /// m_v: rank of the local velocity basis, translation included.
+    pub velocity_rank: u16,
+    /// R of eq. (45) as a multiple of the snapshot interval.
+    pub window: f64,
+}
+
+/// A row-major matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Matrix<'a> {
+    /// Number of rows.
+    pub rows: u32,
+    /// Number of columns.
+    pub columns: u32,
+    /// How an entry is stored.
+    pub encoding: Encoding,
+    /// The entries.
+    #[serde(borrow)]
+    pub blob: Blob<'a>,
+}
+
+/// How the entries of a matrix are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Encoding {
+    /// Little-endian binary32.
+    F32,
+}
+
+/// Little-endian numbers, aligned to 16 bytes in the file by the pad before them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Blob<'a> {
+    /// Zeros, fewer than 16.
+    pub pad: &'a [u8],
+    /// The numbers.
+    pub data: &'a [u8],
+}
+
+impl<'a> Blob<'a> {
+    /// Data with an empty pad, as a writer gives it to [`encode`](super::encode).
+    pub const fn new(data: &'a [u8]) -> Self {
+        Self { pad: &[], data }
+    }
+}
+
+impl<'a> Matrix<'a> {
+    /// A matrix of little-endian f32, with an empty pad.
+    pub const fn f32(rows: u32, columns: u32, data: &'a [u8]) -> Self {
+        Self {
+            rows,
+            columns,
+            encoding: Encoding::F32,
+            blob: Blob::new(data),
+        }
+    }
+}

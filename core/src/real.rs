@@ -1,0 +1,99 @@
+//! The two scalars of the core. Only + - * / sqrt are used, so the same bits come out on every target.
+
+use core::fmt::{Debug, Display};
+use core::iter::Sum;
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// A floating-point scalar: `f32` or `f64`.
+pub trait Real:
+    Copy
+    + Debug
+    + Display
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + Sum
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// Largest finite number.
+    const MAX: Self;
+    /// Ridge of the manifold's local fit, relative to the trace of its dual matrix.
+    const FIT_RIDGE: Self;
+
+    /// The nearest number to a stored single.
+    fn from_f32(value: f32) -> Self;
+    /// The nearest number to a double.
+    fn from_f64(value: f64) -> Self;
+    /// The number as a double, exactly.
+    fn to_f64(self) -> f64;
+    /// The integer part, saturating; 0 for a NaN.
+    fn to_index(self) -> usize;
+    /// The correctly rounded square root.
+    fn sqrt(self) -> Self;
+    /// Whether it is neither infinite nor a NaN.
+    fn is_finite(self) -> bool;
+
+    /// The nearest number to a count.
+    fn from_index(value: usize) -> Self {
+        Self::from_f64(value as f64)
+    }
+    /// The absolute value.
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+    /// The larger of two numbers.
+    fn max(self, other: Self) -> Self {
+        if self < other { other } else { self }
+    }
+    /// The smaller of two numbers.
+    fn min(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+}
+
+macro_rules! real {
+    ($scalar:ident, $sqrt:path, $ridge:expr) => {
+        impl Real for $scalar {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $scalar::EPSILON;
+            const MAX: Self = $scalar::MAX;
+            const FIT_RIDGE: Self = $ridge;
+
+            fn from_f32(value: f32) -> Self {
+                value as $scalar
+            }
+            fn from_f64(value: f64) -> Self {
+                value as $scalar
+            }
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            fn to_index(self) -> usize {
+                self as usize
+            }
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            fn is_finite(self) -> bool {
+                $scalar::is_finite(self)
+            }
+        }
+    };
+}
+
+real!(f32, libm::sqrtf, 1e-6);
+real!(f64, libm::sqrt, 1e-10);
