@@ -1,1 +1,33 @@
-//! To be written.
+//! Snapshots of the full-order model on disk.
+//!
+//! A database is a directory:
+//!
+//! - `database.json`: format version, names of the parameters, units, snapshot interval, end time, solver settings;
+//! - `mesh.npz`: the reference nodes on the unit sphere, the quadratic triangles and the symmetry tables;
+//! - `ca0.1000_al0.9000.npz` and the like: one file a configuration, written whole or not at all.
+//!
+//! [`Database`] reads and writes it and may be shared by the threads of a sweep. [`Trajectory`] is one configuration in
+//! memory, at all the nodes of the mesh, in the laboratory frame. On disk it takes a few per cent of that: the symmetry
+//! of the square is found in it and only one sector of the nodes is kept ([`Symmetry`]), and the numbers are predicted
+//! from their past and kept as small integers ([`compact`]). The files are plain NPZ, which NumPy opens.
+//!
+//! [`vtu`] writes for ParaView, [`export_npz`] plain arrays for NumPy.
+//!
+//! Lengths are in l (half the duct's side), velocities in V, times in l/V.
+
+mod atomic;
+pub mod compact;
+mod database;
+mod error;
+mod mesh;
+mod npz;
+mod symmetry;
+mod trajectory;
+pub mod vtu;
+
+pub use database::{Database, Description, Entry, Parameter};
+pub use error::DatabaseError;
+pub use mesh::Mesh;
+pub use npz::export as export_npz;
+pub use symmetry::{Symmetry, apply};
+pub use trajectory::{Status, Trajectory};

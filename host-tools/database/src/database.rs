@@ -1,0 +1,670 @@
+//! The directory: description, mesh, one file a configuration.
+
+use std::path::{Path, PathBuf};
+
+use ndarray::{Array1, Array3, ArrayD, Ix4};
+use serde::{Deserialize, Serialize};
+
+use crate::compact::{self, Snapshots};
+use crate::error::{finite, length};
+use crate::npz::{Reader, Writer, rows};
+use crate::{DatabaseError, Mesh, Status, Symmetry, Trajectory, apply, atomic};
+
+/// The format that this program reads and writes.
+const VERSION: u64 = 1;
+
+/// A field counts as symmetric when it deviates from the expansion of its sector by no more than this (l or V), a small
+/// part of the fixed-point step.
+const SYMMETRIC: f64 = 0.01 * compact::STEP;
+
+/// A parameter of the configurations.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Its name, such as `capillary_number`.
+    pub name: String,
+    /// Its letters in file names, such as `ca`.
+    pub symbol: String,
+}
+
+/// What all configurations have in common, kept in `database.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// The parameters, in the order of [`Trajectory::parameters`].
+    pub parameters: Vec<Parameter>,
+    /// Time between snapshots, in l/V.
+    pub snapshot_interval: f64,
+    /// The time at which a simulation ends when nothing ends it before, in l/V.
+    pub end_time: f64,
+    /// The settings of the solver, for the record.
+    pub solver: serde_json::Value,
+}
+
+impl Description {
+    /// The description of a database over capillary number and confinement, (Ca, a/l).
+    #[must_use]
+    pub fn new(snapshot_interval: f64, end_time: f64, solver: serde_json::Value) -> Self {
+        let parameter = |name: &str, symbol: &str| Parameter {
+            name: name.to_owned(),
+            symbol: symbol.to_owned(),
+        };
+        let parameters = vec![parameter("capillary_number", "ca"), parameter("confinement", "al")];
+        Description {
+            parameters,
+            snapshot_interval,
+            end_time,
+            solver,
+        }
+    }
+}
+
+/// The content of `database.json`.
+#[derive(Serialize, Deserialize)]
+struct File {
+    format: String,
+    version: u64,
+    #[serde(flatten)]
+    description: Description,
+    units: Units,
+    fixed_point_step: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Units {
+    length: String,
+    velocity: String,
+    time: String,
+    pressure: String,
+}
+
+/// One configuration of a database, without its snapshots.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// The parameters.
+    pub parameters: Vec<f64>,
+    /// How its simulation ended.
+    pub status: Status,
+    /// How many snapshots are stored; 0 when only the status was recorded.
+    pub snapshots: usize,
+    /// The file's name in the directory.
+    pub file: String,
+}
+
+/// A database on disk. Several threads may read and write it; what they write appears file by file.
+#[derive(Debug, Clone)]
+pub struct Database {
+    directory: PathBuf,
+    description: Description,
+    mesh: Mesh,
+    symmetry: Symmetry,
+}
+
+impl Database {
+    /// Creates a database in `directory`, or opens the one that is there with the same description and mesh, so that an
+    /// interrupted sweep goes on.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Different`] when another database is there; [`DatabaseError::BadMesh`];
+    /// [`DatabaseError::Io`] when the directory cannot be written.
+    pub fn create(directory: &Path, description: Description, mesh: Mesh) -> Result<Self, DatabaseError> {
+        mesh.validate()?;
+        let path = directory.join("database.json");
+        let text = to_text(&path, &description)?;
+        if path.exists() {
+            let different = |difference| DatabaseError::Different {
+                path: directory.to_path_buf(),
+                difference,
+            };
+            if std::fs::read_to_string(&path).map_err(DatabaseError::io("read", &path))? != text {
+                return Err(different("description"));
+            }
+            let database = Database::open(directory)?;
+            return if database.mesh == mesh {
+                Ok(database)
+            } else {
+                Err(different("mesh"))
+            };
+        }
+        std::fs::create_dir_all(directory).map_err(DatabaseError::io("create", directory))?;
+        let symmetry = Symmetry::detect(&mesh.nodes);
+        write_mesh(&directory.join("mesh.npz"), &mesh, &symmetry)?;
+        // Last, because it is what makes the directory a database.
+        atomic::write(&path, text.as_bytes())?;
+        Ok(Database {
+            directory: directory.to_path_buf(),
+            description,
+            mesh,
+            symmetry,
+        })
+    }
+
+    /// Opens the database in `directory`.
+    ///
+    /// # Errors
+    /// [`DatabaseError::NotADatabase`], [`DatabaseError::WrongVersion`], or what is wrong with `database.json` or
+    /// `mesh.npz`.
+    pub fn open(directory: &Path) -> Result<Self, DatabaseError> {
+        let path = directory.join("database.json");
+        let text = match std::fs::read_to_string(&path) {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                return Err(DatabaseError::NotADatabase {
+                    path: directory.to_path_buf(),
+                });
+            }
+            other => other.map_err(DatabaseError::io("read", &path))?,
+        };
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(DatabaseError::json(&path))?;
+        let version = value.get("version").and_then(serde_json::Value::as_u64);
+        if let Some(found) = version.filter(|v| *v != VERSION) {
+            return Err(DatabaseError::WrongVersion {
+                path,
+                found,
+                supported: VERSION,
+            });
+        }
+        let file: File = serde_json::from_value(value).map_err(DatabaseError::json(&path))?;
+        let (mesh, symmetry) = read_mesh(&directory.join("mesh.npz"))?;
+        Ok(Database {
+            directory: directory.to_path_buf(),
+            description: file.description,
+            mesh,
+            symmetry,
+        })
+    }
+
+    /// What the configurations have in common.
+    #[must_use]
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The mesh.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The symmetry of the mesh.
+    #[must_use]
+    pub fn symmetry(&self) -> &Symmetry {
+        &self.symmetry
+    }
+
+    /// The instants at which a complete trajectory has snapshots: 0, the snapshot interval, ... up to the end time.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        let Description {
+            snapshot_interval: step,
+            end_time,
+            ..
+        } = self.description;
+        let last = (end_time / step + 1e-9).floor() as usize;
+        (0..=last).map(|i| i as f64 * step).collect()
+    }
+
+    /// Whether the configuration has a file, with snapshots or its status alone. Parameters are compared to six decimals.
+    #[must_use]
+    pub fn contains(&self, parameters: &[f64]) -> bool {
+        self.directory.join(self.file_name(parameters)).exists()
+    }
+
+    /// Writes one configuration, atomically; a file of the same parameters is replaced.
+    ///
+    /// The sector alone is kept when all snapshots have the mesh's symmetry, else all nodes. See [`compact`] for the
+    /// encoding and its error.
+    ///
+    /// # Errors
+    /// What is wrong with the trajectory, or [`DatabaseError::Io`].
+    pub fn write(&self, trajectory: &Trajectory) -> Result<(), DatabaseError> {
+        length(
+            "parameters",
+            self.description.parameters.len(),
+            trajectory.parameters.len(),
+        )?;
+        trajectory.validate(self.mesh.nodes.len())?;
+        let mut symmetric = true;
+        for field in trajectory.positions.iter().chain(&trajectory.velocities) {
+            symmetric = symmetric && self.symmetry.deviation(field)? <= SYMMETRIC;
+        }
+        let kept = |fields: &Snapshots| -> Result<Snapshots, DatabaseError> {
+            if symmetric {
+                fields.iter().map(|f| self.symmetry.restrict(f)).collect()
+            } else {
+                Ok(fields.clone())
+            }
+        };
+        let (velocities, decoded) = compact::encode_velocities(&kept(&trajectory.velocities)?)?;
+        let positions = compact::encode_positions(&kept(&trajectory.positions)?, &decoded, &trajectory.times)?;
+        let path = self.directory.join(self.file_name(&trajectory.parameters));
+        let status = serde_json::to_vec(&trajectory.status).map_err(DatabaseError::json(&path))?;
+        let mut writer = Writer::new(&path);
+        writer.add("parameters", &Array1::from(trajectory.parameters.clone()))?;
+        writer.add("status", &Array1::from(status))?;
+        writer.add("times", &Array1::from(trajectory.times.clone()))?;
+        writer.add("centroid", &Array1::from(trajectory.centroid.clone()))?;
+        writer.add("pressure_drop", &Array1::from(trajectory.pressure_drop.clone()))?;
+        writer.add("velocities", &velocities)?;
+        writer.add("positions", &positions)?;
+        writer.finish()
+    }
+
+    /// Records how a configuration ended, without snapshots, so that a sweep does not try it again.
+    ///
+    /// # Errors
+    /// As [`Database::write`].
+    pub fn record(&self, parameters: &[f64], status: Status) -> Result<(), DatabaseError> {
+        self.write(&Trajectory {
+            parameters: parameters.to_vec(),
+            status,
+            times: vec![],
+            positions: vec![],
+            velocities: vec![],
+            centroid: vec![],
+            pressure_drop: vec![],
+        })
+    }
+
+    /// All configurations, ascending in their parameters, without their snapshots.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Io`] when the directory cannot be read, or what is wrong with a file.
+    pub fn entries(&self) -> Result<Vec<Entry>, DatabaseError> {
+        let mut entries = Vec::new();
+        for file in self.files()? {
+            if file == "mesh.npz" || !file.ends_with(".npz") {
+                continue;
+            }
+            let mut reader = Reader::open(&self.directory.join(&file))?;
+            let (parameters, status) = self.head(&mut reader)?;
+            let snapshots = reader.vector::<f64>("times", None)?.len();
+            entries.push(Entry {
+                parameters,
+                status,
+                snapshots,
+                file,
+            });
+        }
+        entries.sort_by(|a, b| {
+            let pairs = a.parameters.iter().zip(&b.parameters);
+            pairs
+                .map(|(x, y)| x.total_cmp(y))
+                .find(|o| o.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
+        });
+        Ok(entries)
+    }
+
+    /// The snapshots of one configuration, at all nodes.
+    ///
+    /// # Errors
+    /// [`DatabaseError::UnknownConfiguration`] when it has no snapshots here, or what is wrong with its file.
+    pub fn read(&self, parameters: &[f64]) -> Result<Trajectory, DatabaseError> {
+        let unknown = || {
+            let (path, parameters) = (self.directory.clone(), parameters.to_vec());
+            DatabaseError::UnknownConfiguration { path, parameters }
+        };
+        let path = self.directory.join(self.file_name(parameters));
+        if !path.exists() {
+            return Err(unknown());
+        }
+        let mut reader = Reader::open(&path)?;
+        let (parameters, status) = self.head(&mut reader)?;
+        let times: Vec<f64> = reader.vector("times", None)?;
+        if times.is_empty() {
+            return Err(unknown());
+        }
+        let instants = Some(times.len());
+        let centroid = reader.vector("centroid", instants)?;
+        let pressure_drop = reader.vector("pressure_drop", instants)?;
+        let planes: ArrayD<u8> = reader.array("velocities", &[None, instants, None, Some(3)])?;
+        // A file holds the sector or all nodes; which, its own shape says.
+        let (all, sector) = (self.mesh.nodes.len(), self.symmetry.sector.len());
+        let kept = if planes.shape()[2] == sector { sector } else { all };
+        let planes = reader.expect_shape("velocities", planes, &[None, instants, Some(kept), Some(3)])?;
+        let positions: ArrayD<u8> = reader.array("positions", &[None, instants, Some(kept), Some(3)])?;
+        let four = |planes: ArrayD<u8>| planes.into_dimensionality::<Ix4>().unwrap_or_default();
+        let velocities = compact::decode_velocities(four(planes).view());
+        let positions = compact::decode_positions(four(positions).view(), &velocities, &times);
+        let expanded = |fields: Snapshots| -> Result<Snapshots, DatabaseError> {
+            if kept == all {
+                Ok(fields)
+            } else {
+                fields.iter().map(|f| self.symmetry.expand(f)).collect()
+            }
+        };
+        let (positions, velocities) = (expanded(positions)?, expanded(velocities)?);
+        let trajectory = Trajectory {
+            parameters,
+            status,
+            times,
+            positions,
+            velocities,
+            centroid,
+            pressure_drop,
+        };
+        trajectory.validate(all)?;
+        Ok(trajectory)
+    }
+
+    /// The trajectories of all configurations that have snapshots, ascending in their parameters, read one by one.
+    ///
+    /// # Errors
+    /// As [`Database::entries`], then as [`Database::read`] for each.
+    pub fn trajectories(&self) -> Result<impl Iterator<Item = Result<Trajectory, DatabaseError>> + '_, DatabaseError> {
+        let entries = self.entries()?.into_iter().filter(|e| e.snapshots > 0);
+        Ok(entries.map(|e| self.read(&e.parameters)))
+    }
+
+    /// A digest of all files and their names: FNV-1a, 64 bits.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Io`] when a file cannot be read.
+    pub fn digest(&self) -> Result<u64, DatabaseError> {
+        let mut digest = 0xcbf2_9ce4_8422_2325u64;
+        let mut feed = |bytes: &[u8]| {
+            for b in bytes {
+                digest = (digest ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        };
+        for file in self.files()? {
+            let path = self.directory.join(&file);
+            feed(file.as_bytes());
+            feed(&std::fs::read(&path).map_err(DatabaseError::io("read", &path))?);
+        }
+        Ok(digest)
+    }
+
+    /// The names of the database's files, sorted; temporary and foreign files left out.
+    fn files(&self) -> Result<Vec<String>, DatabaseError> {
+        let failed = || DatabaseError::io("read", &self.directory);
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(&self.directory).map_err(failed())? {
+            let name = entry.map_err(failed())?.file_name().to_string_lossy().into_owned();
+            if !name.starts_with('.') && (name.ends_with(".npz") || name == "database.json") {
+                names.push(name);
+            }
+        }
+        names.sort();
+        Ok(names)
+    }
+
+    fn head(&self, reader: &mut Reader) -> Result<(Vec<f64>, Status), DatabaseError> {
+        let parameters: Vec<f64> = reader.vector("parameters", Some(self.description.parameters.len()))?;
+        finite("parameters", &parameters)?;
+        let status: Vec<u8> = reader.vector("status", None)?;
+        Ok((
+            parameters,
+            serde_json::from_slice(&status).map_err(DatabaseError::json(reader.path()))?,
+        ))
+    }
+
+    /// `ca0.1000_al0.9000.npz`: four to six decimals.
+    fn file_name(&self, parameters: &[f64]) -> String {
+        let text = |value: &f64| {
+            let mut text = format!("{value:.6}");
+            for _ in 0..2 {
+                if text.ends_with('0') {
+                    text.pop();
+                }
+            }
+            text
+        };
+        let pairs = self.description.parameters.iter().zip(parameters);
+        let parts: Vec<String> = pairs.map(|(p, v)| format!("{}{}", p.symbol, text(v))).collect();
+        parts.join("_") + ".npz"
+    }
+}
+
+fn to_text(path: &Path, description: &Description) -> Result<String, DatabaseError> {
+    let file = File {
+        format: "capsule-database".to_owned(),
+        version: VERSION,
+        description: description.clone(),
+        units: Units {
+            length: "l".to_owned(),
+            velocity: "V".to_owned(),
+            time: "l/V".to_owned(),
+            pressure: "mu V/l".to_owned(),
+        },
+        fixed_point_step: compact::STEP,
+    };
+    Ok(serde_json::to_string_pretty(&file).map_err(DatabaseError::json(path))? + "\n")
+}
+
+fn write_mesh(path: &Path, mesh: &Mesh, symmetry: &Symmetry) -> Result<(), DatabaseError> {
+    let unit = |d: usize| std::array::from_fn(|k| if k == d { 1.0 } else { 0.0 });
+    let matrix = |(g, i, j): (usize, usize, usize)| apply(g as u8, unit(j))[i] as i8;
+    let mut writer = Writer::new(path);
+    writer.add("nodes", &rows(&mesh.nodes))?;
+    writer.add("elements", &rows(&mesh.elements))?;
+    writer.add("group", &Array1::from(symmetry.operations.clone()))?;
+    writer.add("sector", &Array1::from(symmetry.sector.clone()))?;
+    writer.add("representative", &Array1::from(symmetry.representative.clone()))?;
+    writer.add("operation", &Array1::from(symmetry.operation.clone()))?;
+    // For readers in other languages: what each of the eight operations does.
+    writer.add("operations", &Array3::from_shape_fn((8, 3, 3), matrix))?;
+    writer.finish()
+}
+
+fn read_mesh(path: &Path) -> Result<(Mesh, Symmetry), DatabaseError> {
+    let mut reader = Reader::open(path)?;
+    let nodes = reader.array::<f64>("nodes", &[None, Some(3)])?;
+    let elements = reader.array::<u32>("elements", &[None, Some(6)])?;
+    let mesh = Mesh {
+        nodes: nodes.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect(),
+        elements: elements
+            .rows()
+            .into_iter()
+            .map(|r| std::array::from_fn(|k| r[k]))
+            .collect(),
+    };
+    mesh.validate()?;
+    let n = Some(mesh.nodes.len());
+    let symmetry = Symmetry {
+        operations: reader.vector("group", None)?,
+        sector: reader.vector("sector", None)?,
+        representative: reader.vector("representative", n)?,
+        operation: reader.vector("operation", n)?,
+    };
+    symmetry.validate(&mesh.nodes)?;
+    Ok((mesh, symmetry))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::tests::octahedral;
+    use crate::trajectory::tests::relaxing;
+
+    fn description() -> Description {
+        Description::new(0.2, 1.0, serde_json::json!({ "tolerance": 1e-5 }))
+    }
+
+    fn fresh(directory: &tempfile::TempDir) -> Database {
+        Database::create(directory.path(), description(), octahedral(3)).unwrap()
+    }
+
+    fn worst(a: &Snapshots, b: &Snapshots) -> f64 {
+        let pairs = a.iter().flatten().flatten().zip(b.iter().flatten().flatten());
+        pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let directory = tempfile::tempdir().unwrap();
+        let database = fresh(&directory);
+        let times = database.times();
+        assert_eq!(times.len(), 6);
+        let original = relaxing(database.mesh(), &times);
+        assert!(!database.contains(&original.parameters));
+        database.write(&original).unwrap();
+        assert!(database.contains(&original.parameters));
+
+        let database = Database::open(directory.path()).unwrap();
+        assert_eq!(database.description(), &description());
+        let copy = database.read(&[0.1, 0.9]).unwrap();
+        assert_eq!(
+            (&copy.times, &copy.status, &copy.centroid),
+            (&original.times, &original.status, &original.centroid)
+        );
+        assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::STEP);
+        assert!(worst(&copy.velocities, &original.velocities) <= 0.52 * compact::STEP);
+        assert_eq!(database.trajectories().unwrap().count(), 1);
+        let files: Vec<_> = database.files().unwrap();
+        assert_eq!(files, ["ca0.1000_al0.9000.npz", "database.json", "mesh.npz"]);
+    }
+
+    #[test]
+    fn an_asymmetric_trajectory_keeps_all_its_nodes() {
+        let directory = tempfile::tempdir().unwrap();
+        let database = fresh(&directory);
+        let mut original = relaxing(database.mesh(), &database.times());
+        let kept = |d: &Database| {
+            let mut reader = Reader::open(&directory.path().join(d.file_name(&[0.1, 0.9]))).unwrap();
+            reader.array::<u8>("velocities", &[None; 4]).unwrap().shape()[2]
+        };
+        database.write(&original).unwrap();
+        assert_eq!(kept(&database), database.symmetry().sector.len());
+        original.positions[3][7][2] += 1e-5;
+        database.write(&original).unwrap();
+        assert_eq!(kept(&database), database.mesh().nodes.len());
+        let copy = database.read(&original.parameters).unwrap();
+        assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::STEP);
+    }
+
+    #[test]
+    fn a_status_is_recorded_without_snapshots() {
+        let directory = tempfile::tempdir().unwrap();
+        let database = fresh(&directory);
+        let status = Status::Stopped {
+            time: 3.4,
+            reason: "a node touched the wall".to_owned(),
+        };
+        database.record(&[0.2, 1.2], status.clone()).unwrap();
+        database.record(&[0.15, 0.95], Status::Unsteady).unwrap();
+        assert!(database.contains(&[0.2, 1.2]));
+        let entries = database.entries().unwrap();
+        assert_eq!(entries[0].parameters, [0.15, 0.95]);
+        assert_eq!((entries[1].status.clone(), entries[1].snapshots), (status, 0));
+        assert!(matches!(
+            database.read(&[0.2, 1.2]),
+            Err(DatabaseError::UnknownConfiguration { .. })
+        ));
+        assert!(matches!(
+            database.read(&[0.3, 1.2]),
+            Err(DatabaseError::UnknownConfiguration { .. })
+        ));
+    }
+
+    #[test]
+    fn threads_may_write_at_once() {
+        let directory = tempfile::tempdir().unwrap();
+        let database = fresh(&directory);
+        let trajectory = relaxing(database.mesh(), &[0.0, 0.2]);
+        std::thread::scope(|scope| {
+            for k in 0..4 {
+                let (database, mut trajectory) = (&database, trajectory.clone());
+                scope.spawn(move || {
+                    for i in 0..5 {
+                        trajectory.parameters = vec![0.01 * f64::from(k), 0.8 + 0.05 * f64::from(i)];
+                        database.write(&trajectory).unwrap();
+                    }
+                });
+            }
+        });
+        assert_eq!(database.entries().unwrap().len(), 20);
+    }
+
+    #[test]
+    fn a_sweep_goes_on_but_only_with_the_same_settings() {
+        let directory = tempfile::tempdir().unwrap();
+        fresh(&directory).record(&[0.1, 0.9], Status::Unsteady).unwrap();
+        assert!(fresh(&directory).contains(&[0.1, 0.9]));
+        let error = Database::create(directory.path(), description(), octahedral(2)).unwrap_err();
+        assert!(
+            matches!(error, DatabaseError::Different { difference: "mesh", .. }),
+            "{error}"
+        );
+        let other = Description::new(0.1, 1.0, serde_json::json!({ "tolerance": 1e-5 }));
+        let error = Database::create(directory.path(), other, octahedral(3)).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                DatabaseError::Different {
+                    difference: "description",
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn equal_contents_have_equal_digests() {
+        let directories = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+        let [a, b] = directories.each_ref().map(fresh);
+        for database in [&a, &b] {
+            database.write(&relaxing(database.mesh(), &[0.0, 0.2])).unwrap();
+        }
+        std::fs::write(directories[0].path().join(".tmp123"), "part of a file").unwrap();
+        assert_eq!(a.digest().unwrap(), b.digest().unwrap());
+        b.record(&[0.2, 1.2], Status::Unsteady).unwrap();
+        assert_ne!(a.digest().unwrap(), b.digest().unwrap());
+    }
+
+    #[test]
+    fn damage_is_named() {
+        let directory = tempfile::tempdir().unwrap();
+        assert!(matches!(
+            Database::open(directory.path()),
+            Err(DatabaseError::NotADatabase { .. })
+        ));
+        let database = fresh(&directory);
+        database.write(&relaxing(database.mesh(), &[0.0, 0.2])).unwrap();
+
+        let file = directory.path().join("ca0.1000_al0.9000.npz");
+        let bytes = std::fs::read(&file).unwrap();
+        std::fs::write(&file, &bytes[..bytes.len() - 100]).unwrap();
+        let error = database.read(&[0.1, 0.9]).unwrap_err();
+        assert!(matches!(error, DatabaseError::Corrupt { .. }), "{error}");
+        assert!(error.to_string().contains("ca0.1000_al0.9000.npz"), "{error}");
+
+        let mut writer = Writer::new(&file);
+        writer.add("parameters", &Array1::from(vec![0.1, 0.9])).unwrap();
+        writer.add("status", &Array1::from(br#""unsteady""#.to_vec())).unwrap();
+        writer.add("times", &Array1::from(vec![0.0, 0.2])).unwrap();
+        writer.finish().unwrap();
+        let error = database.read(&[0.1, 0.9]).unwrap_err().to_string();
+        assert!(error.contains("array `centroid` of shape (2,) is missing"), "{error}");
+
+        let json = directory.path().join("database.json");
+        let text = std::fs::read_to_string(&json).unwrap();
+        std::fs::write(&json, text.replace("\"version\": 1", "\"version\": 7")).unwrap();
+        let error = Database::open(directory.path()).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                DatabaseError::WrongVersion {
+                    found: 7,
+                    supported: 1,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        std::fs::write(&json, "{").unwrap();
+        assert!(matches!(
+            Database::open(directory.path()),
+            Err(DatabaseError::Json { .. })
+        ));
+    }
+
+    #[test]
+    fn an_unwritable_directory_is_named() {
+        let path = Path::new("/proc/no-such-directory");
+        let error = Database::create(path, description(), octahedral(2)).unwrap_err();
+        assert!(
+            matches!(error, DatabaseError::Io { .. }) && error.to_string().contains("/proc"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,198 @@
+//! What can go wrong with a database, said with the file, the array and the figures.
+
+use std::path::{Path, PathBuf};
+
+/// An error of a database: what was wrong, where, and what would be right.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DatabaseError {
+    /// The operating system refused a file operation.
+    #[error("cannot {operation} {}: {source}", path.display())]
+    Io {
+        /// What was tried: "read", "write", "create", ...
+        operation: &'static str,
+        /// The file or directory.
+        path: PathBuf,
+        /// The system's answer.
+        source: std::io::Error,
+    },
+    /// The directory holds no `database.json`.
+    #[error("{} is not a database: it holds no database.json", path.display())]
+    NotADatabase {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// A database was to be created where another one, with other settings or another mesh, already is.
+    #[error("{} already holds a database with another {difference}; use another directory", path.display())]
+    Different {
+        /// The directory.
+        path: PathBuf,
+        /// What differs.
+        difference: &'static str,
+    },
+    /// The database was written in a format that this program does not read.
+    #[error("{}: format version {found}; this program reads version {supported}", path.display())]
+    WrongVersion {
+        /// The `database.json`.
+        path: PathBuf,
+        /// The version it names.
+        found: u64,
+        /// The version that is read.
+        supported: u64,
+    },
+    /// A JSON text cannot be understood.
+    #[error("{}: {source}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with its line and column.
+        source: serde_json::Error,
+    },
+    /// A file is cut short or damaged.
+    #[error("{} is damaged or cut short: {reason}", path.display())]
+    Corrupt {
+        /// The file.
+        path: PathBuf,
+        /// What failed when it was read.
+        reason: String,
+    },
+    /// An array that the format asks for is not in the file.
+    #[error("{}: array `{name}` of shape {expected} is missing", path.display())]
+    MissingArray {
+        /// The file.
+        path: PathBuf,
+        /// The array's name.
+        name: String,
+        /// The shape it should have.
+        expected: String,
+    },
+    /// An array has the wrong shape.
+    #[error("{}: array `{name}` has shape {found:?}, expected {expected}", path.display())]
+    WrongShape {
+        /// The file.
+        path: PathBuf,
+        /// The array's name.
+        name: String,
+        /// The shape it should have.
+        expected: String,
+        /// The shape it has.
+        found: Vec<usize>,
+    },
+    /// An array has the wrong element type.
+    #[error("{}: array `{name}` has elements of type {found}, expected {expected}", path.display())]
+    WrongType {
+        /// The file.
+        path: PathBuf,
+        /// The array's name.
+        name: String,
+        /// The element type it should have.
+        expected: &'static str,
+        /// The NumPy descriptor it has.
+        found: String,
+    },
+    /// A number is infinite or not a number.
+    #[error("{what}: value {index} is {value}, expected finite numbers only")]
+    NotFinite {
+        /// Which data.
+        what: String,
+        /// The index of the first such number, counted through the whole array.
+        index: usize,
+        /// The number.
+        value: f64,
+    },
+    /// Two lengths that must agree do not.
+    #[error("{what}: {found} given, expected {expected}")]
+    WrongLength {
+        /// What was counted.
+        what: String,
+        /// How many there should be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// The instants do not increase.
+    #[error("times must increase from 0: value {index} is {value} after {previous}")]
+    TimesNotIncreasing {
+        /// The index of the offending instant.
+        index: usize,
+        /// That instant.
+        value: f64,
+        /// The one before it (0 for the first).
+        previous: f64,
+    },
+    /// A coordinate is too large for the fixed-point storage.
+    #[error("{what}: {value} is beyond the largest storable magnitude {limit}")]
+    TooLarge {
+        /// Which data.
+        what: String,
+        /// The number.
+        value: f64,
+        /// The largest magnitude.
+        limit: f64,
+    },
+    /// A mesh element names a node that does not exist, or the mesh is empty.
+    #[error("mesh: {reason}")]
+    BadMesh {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The database holds no such configuration.
+    #[error("{}: no snapshots of configuration {parameters:?}", path.display())]
+    UnknownConfiguration {
+        /// The directory.
+        path: PathBuf,
+        /// The configuration asked for.
+        parameters: Vec<f64>,
+    },
+    /// An instant was asked for that was not stored.
+    #[error("no snapshot at t = {time}; the trajectory ends at t = {end} and its state there is {status}")]
+    NoSnapshot {
+        /// The instant asked for.
+        time: f64,
+        /// The last stored instant.
+        end: f64,
+        /// "steady", "unsteady" or "stopped".
+        status: &'static str,
+    },
+}
+
+impl DatabaseError {
+    pub(crate) fn io(operation: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| DatabaseError::Io {
+            operation,
+            path,
+            source,
+        }
+    }
+
+    pub(crate) fn json(path: &Path) -> impl FnOnce(serde_json::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| DatabaseError::Json { path, source }
+    }
+}
+
+/// Refuses the first number of `values` that is not finite.
+pub(crate) fn finite<'a>(what: &str, values: impl IntoIterator<Item = &'a f64>) -> Result<(), DatabaseError> {
+    match values.into_iter().enumerate().find(|(_, v)| !v.is_finite()) {
+        None => Ok(()),
+        Some((index, &value)) => Err(DatabaseError::NotFinite {
+            what: what.to_owned(),
+            index,
+            value,
+        }),
+    }
+}
+
+/// Refuses a length that is not the expected one.
+pub(crate) fn length(what: &str, expected: usize, found: usize) -> Result<(), DatabaseError> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(DatabaseError::WrongLength {
+            what: what.to_owned(),
+            expected,
+            found,
+        })
+    }
+}
