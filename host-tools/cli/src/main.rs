@@ -1,2 +1,105 @@
-//! To be written.
-fn main() {}
+//! `capsule-rom`: the full-order solver, the offline stage, predictions and studies from the command line.
+
+mod fom_run;
+mod fom_shear;
+mod fom_sweep;
+mod interrupt;
+mod model;
+mod offline_build;
+mod outlines;
+mod predict;
+mod print;
+mod solver_options;
+mod study_leave_one_out;
+mod study_speed;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// A capsule's motion in a square microchannel: full-order solver and reduced-order model.
+///
+/// Lengths are in l (half the channel's side), velocities in the mean velocity V, time in l/V.
+#[derive(Parser)]
+#[command(name = "capsule-rom", version, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  capsule-rom predict --ca 0.10 --confinement 0.90 --t 0.4,3,6,9
+  capsule-rom fom run --ca 0.10 --confinement 0.90 --out run/
+  capsule-rom fom sweep --database models/database
+  capsule-rom offline build --plots plots/
+  capsule-rom study leave-one-out --json
+
+Exit codes: 0 done, 1 failed, 2 usage";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Full-order model: boundary integrals and membrane finite elements
+    #[command(subcommand)]
+    Fom(Fom),
+    /// From a snapshot database to a model file
+    #[command(subcommand)]
+    Offline(Offline),
+    /// Predict a capsule's motion with the reduced-order model
+    Predict(predict::Options),
+    /// How accurate and how fast the reduced-order model is
+    #[command(subcommand)]
+    Study(Study),
+    /// Print a completion script for a shell
+    #[command(after_help = "Example:\n  capsule-rom completions bash > ~/.local/share/bash-completion/completions/capsule-rom")]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+#[derive(Subcommand)]
+enum Fom {
+    /// Run one configuration
+    Run(fom_run::Options),
+    /// Run a design of experiment into a database; resumable
+    Sweep(fom_sweep::Options),
+    /// A capsule in unbounded simple shear flow, to compare with the literature
+    Shear(fom_shear::Options),
+}
+
+#[derive(Subcommand)]
+enum Offline {
+    /// Build a model file from a snapshot database
+    Build(offline_build::Options),
+}
+
+#[derive(Subcommand)]
+enum Study {
+    /// Predict each sample from all the others and compare
+    LeaveOneOut(study_leave_one_out::Options),
+    /// Time of a query, a trajectory, a surface, an outline
+    Speed(study_speed::Options),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Fom(Fom::Run(options)) => fom_run::run(&options),
+        Command::Fom(Fom::Sweep(options)) => fom_sweep::run(&options),
+        Command::Fom(Fom::Shear(options)) => fom_shear::run(&options),
+        Command::Offline(Offline::Build(options)) => offline_build::run(&options),
+        Command::Predict(options) => predict::run(&options),
+        Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
+        Command::Study(Study::Speed(options)) => study_speed::run(&options),
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Arguments::command(), "capsule-rom", &mut std::io::stdout());
+            Ok(())
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! `capsule-rom fom run`: one configuration of the full-order model.
+
+use crate::solver_options::SolverOptions;
+use crate::{interrupt, print};
+use anyhow::{Result, bail};
+use capsule_database::{Database, Description, vtu};
+use capsule_fom::{Configuration, Outcome, Progress, Solver, Status};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Capillary number Ca = mu V / G_s
+    #[arg(long)]
+    ca: f64,
+    /// Confinement a/l
+    #[arg(long)]
+    confinement: f64,
+    #[command(flatten)]
+    solver: SolverOptions,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write the snapshots as a ParaView series and as a snapshot database into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  capsule-rom fom run --ca 0.10 --confinement 0.90
+  capsule-rom fom run --ca 0.10 --confinement 0.90 --mesh 13 --json > run.json
+  capsule-rom fom run --ca 0.05 --confinement 1.00 --integrator ralston --step 5e-4 --out run/";
+
+#[derive(Serialize)]
+struct Run<'a> {
+    ca: f64,
+    confinement: f64,
+    mesh: usize,
+    nodes: usize,
+    elements: usize,
+    integrator: String,
+    velocity_evaluations: usize,
+    wall_time_s: f64,
+    status: &'static str,
+    steady: bool,
+    steady_time: Option<f64>,
+    volume_drift: f64,
+    history: History<'a>,
+    profile_midplane: Vec<[f64; 2]>,
+    profile_diagonal: Vec<[f64; 2]>,
+}
+
+#[derive(Serialize)]
+struct History<'a> {
+    t: &'a [f64],
+    centroid_velocity: &'a [f64],
+    axial_length: &'a [f64],
+    half_width: &'a [f64],
+    half_diagonal: &'a [f64],
+    rear_depth: &'a [f64],
+    pressure_drop: &'a [f64],
+}
+
+pub fn run(options: &Options) -> Result<()> {
+    interrupt::listen()?;
+    let configuration = Configuration { capillary_number: options.ca, confinement: options.confinement };
+    configuration.validate()?;
+    let solver = Solver::new(options.solver.settings())?;
+    let bar = bar(options.quiet, solver.settings().end_time);
+    let outcome = solver.run(&configuration, &mut |progress| {
+        show(&bar, progress);
+        interrupt::flow()
+    })?;
+    bar.finish_and_clear();
+    if interrupt::asked() {
+        bail!("interrupted");
+    }
+    if let Some(folder) = &options.out {
+        write(folder, &solver, &outcome)?;
+    }
+    if options.json {
+        return print::json(&summary(options, &solver, &outcome));
+    }
+    report(&outcome)
+}
+
+/// A bar over the simulated time; nothing when asked to be quiet or when the standard error is not a terminal.
+fn bar(quiet: bool, end_time: f64) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new((1000.0 * end_time) as u64).with_style(style)
+}
+
+fn show(bar: &ProgressBar, progress: &Progress) {
+    bar.set_position((1000.0 * progress.t) as u64);
+    bar.set_message(format!(
+        "t = {:.3} of {}, {} steps, {} evaluations, normal velocity {:.1e}",
+        progress.t, progress.end_time, progress.steps, progress.velocity_evaluations, progress.residual
+    ));
+}
+
+fn summary<'a>(options: &Options, solver: &Solver, outcome: &'a Outcome) -> Run<'a> {
+    let history = &outcome.history;
+    let steady_time = match outcome.status {
+        Status::Steady { time } => Some(time),
+        Status::Unsteady | Status::Stopped { .. } => None,
+    };
+    Run {
+        ca: options.ca,
+        confinement: options.confinement,
+        mesh: solver.settings().mesh_frequency,
+        nodes: solver.mesh().nodes.len(),
+        elements: solver.mesh().elements.len(),
+        integrator: options.solver.integrator_name(),
+        velocity_evaluations: outcome.velocity_evaluations,
+        wall_time_s: outcome.wall_time_s,
+        status: status(&outcome.status),
+        steady: steady_time.is_some(),
+        steady_time,
+        volume_drift: outcome.volume_drift,
+        history: History {
+            t: &history.t,
+            centroid_velocity: &history.centroid_velocity,
+            axial_length: &history.axial_length,
+            half_width: &history.half_width,
+            half_diagonal: &history.half_diagonal,
+            rear_depth: &history.rear_depth,
+            pressure_drop: &history.pressure_drop,
+        },
+        profile_midplane: outcome.profile_midplane.clone(),
+        profile_diagonal: outcome.profile_diagonal.clone(),
+    }
+}
+
+fn status(status: &Status) -> &'static str {
+    match status {
+        Status::Steady { .. } => "steady",
+        Status::Unsteady => "unsteady",
+        Status::Stopped { .. } => "stopped",
+    }
+}
+
+fn report(outcome: &Outcome) -> Result<()> {
+    let history = &outcome.history;
+    let every = (history.t.len() / 20).max(1);
+    let rows: Vec<Vec<String>> = (0..history.t.len())
+        .filter(|i| i % every == 0 || i + 1 == history.t.len())
+        .map(|i| {
+            let columns = [
+                &history.t,
+                &history.centroid_velocity,
+                &history.axial_length,
+                &history.half_width,
+                &history.half_diagonal,
+                &history.rear_depth,
+                &history.pressure_drop,
+            ];
+            columns.iter().map(|column| format!("{:.4}", column[i])).collect()
+        })
+        .collect();
+    print::table(&["t", "velocity", "length", "half_width", "half_diagonal", "rear_depth", "pressure_drop"], &rows)?;
+    println!(
+        "{}; {} velocity evaluations in {:.1} s; relative volume drift {:.1e}",
+        match &outcome.status {
+            Status::Steady { time } => format!("steady from t = {time:.2}"),
+            Status::Unsteady => "no steady state".to_owned(),
+            Status::Stopped { time, reason } => format!("stopped at t = {time:.2}: {reason}"),
+        },
+        outcome.velocity_evaluations,
+        outcome.wall_time_s,
+        outcome.volume_drift
+    );
+    Ok(())
+}
+
+fn write(folder: &Path, solver: &Solver, outcome: &Outcome) -> Result<()> {
+    let mesh = crate::fom_sweep::database_mesh(solver);
+    let trajectory = crate::fom_sweep::trajectory(outcome);
+    let mut series = vtu::Series::create(folder, "capsule")?;
+    for (i, &t) in trajectory.times.iter().enumerate() {
+        let velocity = vtu::PointData::Vector("velocity", &trajectory.velocities[i]);
+        series.add(t, &mesh, &trajectory.positions[i], &[velocity])?;
+    }
+    series.finish()?;
+    let settings = solver.settings();
+    let description = Description::new(settings.snapshot_interval, settings.end_time, crate::fom_sweep::record(settings));
+    Database::create(&folder.join("snapshots"), description, mesh)?.write(&trajectory)?;
+    Ok(())
+}

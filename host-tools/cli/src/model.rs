@@ -1,0 +1,35 @@
+//! The model file that a command works with: the shipped one, or the user's.
+
+use anyhow::{Context, Result};
+use capsule_core::Model;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Keeps the embedded file on the boundary on which its matrices are read in place.
+#[repr(C, align(16))]
+struct Aligned<T: ?Sized>(T);
+
+static SHIPPED: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../models/capsule.crom"));
+
+/// The bytes of the file, or of the shipped model.
+pub fn read(path: Option<&Path>) -> Result<Cow<'static, [u8]>> {
+    match path {
+        None => Ok(Cow::Borrowed(&SHIPPED.0)),
+        Some(path) => Ok(Cow::Owned(
+            std::fs::read(path).with_context(|| format!("could not read the model {}", path.display()))?,
+        )),
+    }
+}
+
+/// The model in these bytes.
+pub fn open<'a>(bytes: &'a [u8], path: Option<&Path>) -> Result<Model<'a>> {
+    Model::open(bytes).map_err(anyhow::Error::new).with_context(|| match path {
+        None => "the shipped model".to_owned(),
+        Some(path) => format!("the model {}", path.display()),
+    })
+}
+
+/// The digest as people and file names show it.
+pub fn digest(model: &Model<'_>) -> String {
+    format!("{:08x}", model.digest())
+}

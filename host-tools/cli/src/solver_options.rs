@@ -1,0 +1,62 @@
+//! Options that every full-order run shares.
+
+use capsule_fom::{Integrator, Settings};
+use clap::{Args, ValueEnum};
+
+#[derive(Args)]
+pub struct SolverOptions {
+    /// Mesh frequency n: 8 n^2 elements, 16 n^2 + 2 nodes (8 for work, 13 the paper's size)
+    #[arg(long, default_value_t = 8)]
+    mesh: usize,
+    /// Time integrator
+    #[arg(long, value_enum, default_value_t = Scheme::Rkc2)]
+    integrator: Scheme,
+    /// Step of the fixed-step integrators, in l/V
+    #[arg(long, default_value_t = 5e-4)]
+    step: f64,
+    /// Position error allowed a step (rkc2), in l
+    #[arg(long, default_value_t = 1e-5)]
+    tolerance: f64,
+    /// Last instant, in l/V
+    #[arg(long, default_value_t = 20.0)]
+    end_time: f64,
+    /// Time between snapshots, in l/V
+    #[arg(long, default_value_t = 0.2)]
+    snapshot_interval: f64,
+    /// Compute all nodes instead of an eighth (slow: it checks the symmetry reduction)
+    #[arg(long)]
+    unreduced: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Scheme {
+    /// Stabilised second-order Runge-Kutta-Chebyshev with error control
+    Rkc2,
+    /// Forward Euler, fixed step
+    Euler,
+    /// Ralston's second-order scheme, fixed step
+    Ralston,
+}
+
+impl SolverOptions {
+    pub fn settings(&self) -> Settings {
+        let mut settings = Settings {
+            mesh_frequency: self.mesh,
+            integrator: match self.integrator {
+                Scheme::Rkc2 => Integrator::Rkc2 { tolerance: self.tolerance },
+                Scheme::Euler => Integrator::ForwardEuler { step: self.step },
+                Scheme::Ralston => Integrator::Ralston { step: self.step },
+            },
+            end_time: self.end_time,
+            snapshot_interval: self.snapshot_interval,
+            symmetric: !self.unreduced,
+            ..Settings::default()
+        };
+        settings.duct.symmetric = !self.unreduced;
+        settings
+    }
+
+    pub fn integrator_name(&self) -> String {
+        self.integrator.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+}
