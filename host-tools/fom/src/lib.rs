@@ -5,7 +5,13 @@
 //! time in l/V, stress in mu V/l, tension in G_s.
 
 pub mod flow;
+pub mod initial;
+pub mod integrator;
+pub mod mass_matrix;
+pub mod membrane;
 pub mod mesh;
+pub mod shape_functions;
+pub mod surface;
 pub mod symmetry;
 
 pub use mesh::Mesh;
@@ -34,5 +40,27 @@ pub enum FomError {
         node: usize,
         /// Its reference position.
         point: [f64; 3],
+    },
+}
+
+/// Why the velocity of a surface cannot be found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluationError {
+    /// An element has lost its area.
+    #[error("element with nodes {element:?} has collapsed: its area is {area_ratio} times the undeformed one")]
+    Collapsed {
+        /// The element's nodes.
+        element: [u32; 6],
+        /// Deformed over undeformed area.
+        area_ratio: f64,
+    },
+    /// The mass matrix could not be inverted.
+    #[error(
+        "the mass matrix of the surface was not inverted in {iterations} iterations: the elements are too distorted"
+    )]
+    MassMatrix {
+        /// The limit on the iterations.
+        iterations: usize,
     },
 }

@@ -91,6 +91,7 @@ fn on_sphere(key: [i32; 3], m: i32) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::{cross, dot};
 
     #[test]
     fn counts_and_euler_characteristic() {
@@ -111,24 +112,19 @@ mod tests {
 
     #[test]
     fn elements_point_outward_and_have_like_sizes() {
-        for n in [5, 8] {
+        for n in [5, 8, 13] {
             let mesh = Mesh::octahedral(n).unwrap();
-            let mut areas = mesh.elements.iter().map(|e| {
+            let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
+            for e in &mesh.elements {
                 let [a, b, c] = [0, 1, 2].map(|k| mesh.nodes[e[k] as usize]);
-                let u = [0, 1, 2].map(|d| b[d] - a[d]);
-                let v = [0, 1, 2].map(|d| c[d] - a[d]);
-                let normal = [
-                    u[1] * v[2] - u[2] * v[1],
-                    u[2] * v[0] - u[0] * v[2],
-                    u[0] * v[1] - u[1] * v[0],
-                ];
-                let outward: f64 = (0..3).map(|d| normal[d] * (a[d] + b[d] + c[d])).sum();
-                assert!(outward > 0.0);
-                normal.iter().map(|c| c * c).sum::<f64>().sqrt()
-            });
-            let first = areas.next().unwrap();
-            let (least, greatest) = areas.fold((first, first), |(l, g), a| (l.min(a), g.max(a)));
-            assert!(greatest / least < 1.2_f64.powi(2) * 1.2, "{}", greatest / least);
+                let centre = [0, 1, 2].map(|d| (a[d] + b[d] + c[d]) / 3.0);
+                let [u, v] = [b, c].map(|p| [0, 1, 2].map(|d| p[d] - a[d]));
+                assert!(dot(cross(u, v), centre) > 0.0);
+                let distance = |p: [f64; 3]| (0..3).map(|d| (p[d] - centre[d]).powi(2)).sum::<f64>().sqrt();
+                let radius = distance(a).max(distance(b)).max(distance(c));
+                (least, greatest) = (least.min(radius), greatest.max(radius));
+            }
+            assert!(greatest / least < 1.25, "{}", greatest / least);
         }
     }
 
