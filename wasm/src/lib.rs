@@ -1,1 +1,12 @@
-//! To be written.
+//! capsule-core in the browser: a model, and evaluations of it. Numbers cross as they are (f64); drawing data as
+//! `Float32Array`. Every failure is a JavaScript `Error` with the core's text.
+//!
+//! The page pays for what it asks: each method computes what it returns and nothing else.
+
+mod evaluation;
+mod model;
+mod section;
+mod surface;
+
+pub use evaluation::{Curves, Evaluation, Readings};
+pub use model::Model;

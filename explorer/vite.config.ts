@@ -1,0 +1,39 @@
+import { createReadStream, existsSync, readFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { defineConfig, type Plugin } from "vite";
+
+/** The model that the page opens first; another one is built in with CAPSULE_MODEL=FILE. */
+const MODEL = resolve(import.meta.dirname, process.env["CAPSULE_MODEL"] ?? "../models/capsule.crom");
+const SERVED_AS = "capsule.crom";
+
+/** Puts the model beside the page: a file of the build, and a route of the development server. */
+function shippedModel(): Plugin {
+  return {
+    name: "shipped-model",
+    configureServer(server) {
+      server.middlewares.use(`/${SERVED_AS}`, (_request, response) => {
+        if (!existsSync(MODEL)) {
+          response.writeHead(404).end();
+          return;
+        }
+        response.writeHead(200, { "Content-Type": "application/octet-stream" });
+        createReadStream(MODEL).pipe(response);
+      });
+    },
+    generateBundle() {
+      if (!existsSync(MODEL)) {
+        this.error(`the model ${MODEL} is missing: build it with \`capsule-rom offline build\`, or set CAPSULE_MODEL`);
+      }
+      this.emitFile({ type: "asset", fileName: SERVED_AS, source: readFileSync(MODEL) });
+    },
+  };
+}
+
+export default defineConfig({
+  // The page works from any folder of a server, and a missing file is a 404, not the page again.
+  base: "./",
+  appType: "mpa",
+  plugins: [shippedModel()],
+  build: { target: "es2023", assetsInlineLimit: 0, chunkSizeWarningLimit: 800 },
+  server: { port: 5173, strictPort: true },
+});

@@ -1,0 +1,191 @@
+//! Answers of a model to one query, at one instant after another.
+
+use crate::model::Shared;
+use crate::section::section;
+use capsule_core::{Domain, Evaluator, Frame, Instant, Method, Nodes, Query, Scene, Workspace};
+use std::rc::Rc;
+use wasm_bindgen::prelude::*;
+
+/// One query of a model and the storage for answering it. The core keeps there what it has computed, so a query that is
+/// set twice, or an instant that several methods ask for, is computed once.
+#[wasm_bindgen]
+pub struct Evaluation {
+    shared: Rc<Shared>,
+    workspace: Box<Workspace<f64>>,
+    query: Query<f64>,
+    t: f64,
+    nodes: Vec<[f64; 3]>,
+}
+
+/// Scalars of an instant: lengths in l, velocity in V.
+#[wasm_bindgen]
+#[derive(Clone, Copy)]
+pub struct Readings {
+    /// Extent along the channel.
+    #[wasm_bindgen(readonly)]
+    pub axial_length: f64,
+    /// max |y| in the plane z = 0.
+    #[wasm_bindgen(readonly)]
+    pub half_width: f64,
+    /// Largest distance from the axis in the plane y = z.
+    #[wasm_bindgen(readonly)]
+    pub half_diagonal: f64,
+    /// Depth of the rear cavity.
+    #[wasm_bindgen(readonly)]
+    pub rear_depth: f64,
+    /// Velocity of the volume centroid.
+    #[wasm_bindgen(readonly)]
+    pub velocity: f64,
+}
+
+/// Closed curves of a plane section.
+#[wasm_bindgen(getter_with_clone)]
+pub struct Curves {
+    /// y, z, y, z, ... of all curves, one after another.
+    #[wasm_bindgen(readonly)]
+    pub points: Vec<f64>,
+    /// Number of points of each curve.
+    #[wasm_bindgen(readonly)]
+    pub lengths: Vec<u32>,
+}
+
+#[wasm_bindgen]
+impl Evaluation {
+    /// Sets the query. `method` is "direct" or "paper". Returns where the parameters lie: "inside",
+    /// "beyond-steady-limit" or "outside".
+    ///
+    /// # Errors
+    /// Parameters that the core refuses: outside the domain without `extrapolate`, not positive, not finite.
+    pub fn prepare(
+        &mut self,
+        capillary_number: f64,
+        confinement: f64,
+        method: &str,
+        extrapolate: bool,
+    ) -> Result<String, JsError> {
+        let method = match method {
+            "direct" => Method::Direct,
+            "paper" => Method::Paper,
+            other => {
+                return Err(JsError::new(&format!(
+                    "method {other:?} is unknown; there are direct and paper"
+                )));
+            }
+        };
+        self.query = Query {
+            extrapolate,
+            ..Query::new(capillary_number, confinement, method)
+        };
+        let domain = Evaluator::new(self.shared.core(), &mut self.workspace)?.prepare(&self.query)?;
+        Ok(match domain {
+            Domain::Inside => "inside",
+            Domain::BeyondSteadyLimit => "beyond-steady-limit",
+            Domain::Outside => "outside",
+        }
+        .to_owned())
+    }
+
+    /// Goes to an instant, in l/V; it takes effect when something is asked.
+    #[wasm_bindgen(js_name = goTo)]
+    pub fn go_to(&mut self, t: f64) {
+        self.t = t;
+    }
+
+    /// Lengths and velocity; computes the two outlines only.
+    ///
+    /// # Errors
+    /// No query, or an instant outside the model's times; so for all that follow.
+    pub fn readings(&mut self) -> Result<Readings, JsError> {
+        let found = self.ask(|instant| instant.observables())?;
+        Ok(Readings {
+            axial_length: found.axial_length,
+            half_width: found.half_width,
+            half_diagonal: found.half_diagonal,
+            rear_depth: found.rear_depth,
+            velocity: found.velocity,
+        })
+    }
+
+    /// Enclosed volume, in l^3; computes all nodes.
+    pub fn volume(&mut self) -> Result<f64, JsError> {
+        self.ask(|instant| instant.volume())
+    }
+
+    /// Expected modified Hausdorff distance to the full-order model, laboratory frame, as a fraction of a.
+    #[wasm_bindgen(js_name = expectedError)]
+    pub fn expected_error(&mut self) -> Result<f64, JsError> {
+        self.ask(|instant| Ok(instant.expected_error()))
+    }
+
+    /// Axial position of the volume centroid in the laboratory frame, in l.
+    pub fn centroid(&mut self) -> Result<f64, JsError> {
+        self.ask(|instant| Ok(instant.centroid()))
+    }
+
+    /// An outline by name, from the front pole to the rear pole: x, r, x, r, ..., in l, laboratory frame.
+    pub fn outline(&mut self, name: &str) -> Result<Vec<f64>, JsError> {
+        let scene = Scene {
+            nodes: Nodes::Set(name),
+            frame: Frame::Laboratory,
+        };
+        let mut points = vec![[0.0; 2]; self.shared.nodes];
+        let count = self.ask(|instant| instant.outline(&scene, &mut points))?;
+        points.truncate(count);
+        Ok(points.into_flattened())
+    }
+
+    /// Positions of the vertices to draw, x, y, z, ..., in l, relative to the centroid.
+    pub fn surface(&mut self) -> Result<Vec<f32>, JsError> {
+        Ok(self
+            .vertices()?
+            .as_flattened()
+            .iter()
+            .map(|&number| number as f32)
+            .collect())
+    }
+
+    /// The section by the plane at `offset` along the channel from the centroid, in l.
+    pub fn transversal(&mut self, offset: f64) -> Result<Curves, JsError> {
+        let vertices = self.vertices()?;
+        let curves = section(self.shared.surface.triangles(), &vertices, offset);
+        Ok(Curves {
+            lengths: curves.iter().map(|curve| curve.len() as u32).collect(),
+            points: curves.concat().into_flattened(),
+        })
+    }
+}
+
+impl Evaluation {
+    pub(crate) fn new(shared: Rc<Shared>) -> Self {
+        Self {
+            nodes: vec![[0.0; 3]; shared.nodes],
+            shared,
+            workspace: Box::default(),
+            query: Query::new(f64::NAN, f64::NAN, Method::Direct),
+            t: 0.0,
+        }
+    }
+
+    /// Puts a question to the core about the current query and instant.
+    fn ask<A>(
+        &mut self,
+        question: impl FnOnce(&mut Instant<'_, '_, f64, 64, 16, 32>) -> Result<A, capsule_core::EvaluateError>,
+    ) -> Result<A, JsError> {
+        let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
+        evaluator.prepare(&self.query)?;
+        Ok(question(&mut evaluator.at(self.t)?)?)
+    }
+
+    fn vertices(&mut self) -> Result<Vec<[f64; 3]>, JsError> {
+        let scene = Scene {
+            nodes: Nodes::All,
+            frame: Frame::Centroid,
+        };
+        let mut nodes = std::mem::take(&mut self.nodes);
+        let written = self.ask(|instant| instant.positions(&scene, &mut nodes));
+        let vertices = self.shared.surface.positions(&nodes);
+        self.nodes = nodes;
+        written?;
+        Ok(vertices)
+    }
+}
