@@ -1,0 +1,337 @@
+//! The square duct: Poiseuille flow, disturbed by a membrane, between no-slip walls.
+
+use std::f64::consts::PI;
+
+use super::error::FlowError;
+use super::membrane_layer::{MembraneLayer, MembraneQuadrature, MembraneRules};
+use super::panel::{Panel, PanelRule};
+use super::poiseuille::Poiseuille;
+use super::stokeslet::{self, Sources};
+use super::wall::{Wall, WallLayout};
+use super::{Flow, Membrane, check_finite};
+
+/// How the duct is represented. The default is for production.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DuctSettings {
+    /// The walls end at `x = ± half_length` (l); the disturbance falls off like exp(-2 |x|).
+    pub half_length: f64,
+    /// Panels have the same length for `|x| <= uniform_half_length` (l) and grow from there to the ends.
+    pub uniform_half_length: f64,
+    /// Panels along `0 <= x <= uniform_half_length`.
+    pub uniform_panels: usize,
+    /// Panels from there to the end.
+    pub growing_panels: usize,
+    /// Panels across half a side of the duct.
+    pub transverse_panels: usize,
+    /// Gauss nodes of a panel in each direction.
+    pub order: usize,
+    /// Parts of panels whose centre is closer than this many of their radii are divided.
+    pub wall_reach: f64,
+    /// How the membrane's layer is integrated.
+    pub membrane: MembraneQuadrature,
+    /// Whether the wall is reduced to an eighth by the symmetry of the square, which the membrane and its load must
+    /// then have. If not, there are eight times as many unknowns: a check for coarse settings.
+    pub symmetric: bool,
+}
+
+impl Default for DuctSettings {
+    fn default() -> Self {
+        Self {
+            half_length: 4.5,
+            uniform_half_length: 2.0,
+            uniform_panels: 5,
+            growing_panels: 3,
+            transverse_panels: 3,
+            order: 4,
+            wall_reach: 4.0,
+            membrane: MembraneQuadrature::default(),
+            symmetric: true,
+        }
+    }
+}
+
+impl DuctSettings {
+    /// A quick duct for tests and trials, good to about 1 %.
+    pub fn coarse() -> Self {
+        Self {
+            half_length: 4.0,
+            uniform_half_length: 1.5,
+            uniform_panels: 2,
+            growing_panels: 2,
+            transverse_panels: 1,
+            order: 3,
+            ..Self::default()
+        }
+    }
+
+    fn check(&self) -> Result<(), FlowError> {
+        let require = |good: bool, name, value, requirement| {
+            if good {
+                Ok(())
+            } else {
+                Err(FlowError::Setting {
+                    name,
+                    value,
+                    requirement,
+                })
+            }
+        };
+        let whole = |name, value: usize, range: std::ops::RangeInclusive<usize>, requirement| {
+            require(range.contains(&value), name, value as f64, requirement)
+        };
+        require(
+            (2.0..=50.0).contains(&self.half_length),
+            "half_length",
+            self.half_length,
+            "2 to 50",
+        )?;
+        require(
+            self.uniform_half_length > 0.0 && self.uniform_half_length < self.half_length,
+            "uniform_half_length",
+            self.uniform_half_length,
+            "positive and less than half_length",
+        )?;
+        whole("uniform_panels", self.uniform_panels, 1..=200, "1 to 200")?;
+        whole("growing_panels", self.growing_panels, 1..=200, "1 to 200")?;
+        whole("transverse_panels", self.transverse_panels, 1..=50, "1 to 50")?;
+        whole("order", self.order, 2..=8, "2 to 8")?;
+        require(
+            (1.5..=20.0).contains(&self.wall_reach),
+            "wall_reach",
+            self.wall_reach,
+            "1.5 to 20",
+        )?;
+        self.membrane.check()
+    }
+
+    /// Panel boundaries from x = 0 to the end; the growing panels form a geometric progression that starts at the
+    /// length of the uniform ones.
+    fn axial_boundaries(&self) -> Vec<f64> {
+        let length = self.uniform_half_length / self.uniform_panels as f64;
+        let rest = self.half_length - self.uniform_half_length;
+        let total = |ratio: f64| (1..=self.growing_panels).map(|k| ratio.powi(k as i32)).sum::<f64>() * length;
+        let (mut low, mut high) = (0.0, rest / length + 1.0);
+        for _ in 0..100 {
+            let ratio = 0.5 * (low + high);
+            if total(ratio) < rest { low = ratio } else { high = ratio }
+        }
+        let uniform = (0..=self.uniform_panels).map(|k| k as f64 * length);
+        let mut boundaries: Vec<f64> = uniform.collect();
+        let mut x = self.uniform_half_length;
+        let mut step = length;
+        for _ in 0..self.growing_panels {
+            step *= low;
+            x += step;
+            boundaries.push(x);
+        }
+        boundaries
+    }
+}
+
+/// No node may come closer to the wall than this (l).
+const MINIMUM_GAP: f64 = 1e-3;
+/// Nor closer to an end of the duct than this (l): the quadrature of the end relies on it.
+const END_DISTANCE: f64 = 1.0;
+/// Gauss nodes across the outlet, in each direction of each of its quarters.
+const OUTLET_ORDER: usize = 6;
+
+/// The duct with all that does not depend on the membrane.
+#[derive(Debug, Clone)]
+pub struct Duct {
+    half_length: f64,
+    poiseuille: Poiseuille,
+    rules: MembraneRules,
+    wall: Wall,
+    /// The outlet under unit pressure: `n dS`.
+    outlet: Sources,
+    /// Traction on the wall that cancels the velocity of the outlet under unit pressure.
+    outlet_traction: Vec<[f64; 3]>,
+}
+
+/// What a membrane does to the flow: enough to give the velocity anywhere.
+struct Disturbance<'a> {
+    layer: MembraneLayer<'a>,
+    /// Perturbation traction at the wall's nodes.
+    traction: Vec<[f64; 3]>,
+    pressure_drop: f64,
+}
+
+impl Duct {
+    /// Assembles and inverts the operator of the walls; once for all capsules.
+    ///
+    /// # Errors
+    /// [`FlowError::Setting`] with the name of a setting out of range, [`FlowError::SingularWall`].
+    pub fn new(settings: &DuctSettings) -> Result<Self, FlowError> {
+        settings.check()?;
+        let wall = Wall::new(&WallLayout {
+            axial: settings.axial_boundaries(),
+            transverse: settings.transverse_panels,
+            order: settings.order,
+            symmetric: settings.symmetric,
+            reach: settings.wall_reach,
+        })?;
+        let rule = PanelRule::new(OUTLET_ORDER);
+        let mut outlet = Sources::default();
+        let mut velocity = vec![[0.0; 3]; wall.nodes().len()];
+        for (y, z) in [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)] {
+            let quarter = Panel {
+                centre: [settings.half_length, y, z],
+                u: [0.0, 0.5, 0.0],
+                v: [0.0, 0.0, 0.5],
+            };
+            quarter.for_each_node(&rule, |position, weight| outlet.push(position, [weight, 0.0, 0.0]));
+            // The outlet touches the wall's last panels: divided where it is close.
+            for (value, &node) in velocity.iter_mut().zip(wall.nodes()) {
+                for [xx, _, _, xy, xz, _] in quarter.integrals(&rule, node, settings.wall_reach) {
+                    *value = [value[0] + xx, value[1] + xy, value[2] + xz];
+                }
+            }
+        }
+        Ok(Self {
+            half_length: settings.half_length,
+            poiseuille: Poiseuille::new(),
+            rules: MembraneRules::new(&settings.membrane),
+            outlet_traction: wall.solve(&velocity),
+            wall,
+            outlet,
+        })
+    }
+
+    /// The undisturbed flow.
+    pub fn poiseuille(&self) -> &Poiseuille {
+        &self.poiseuille
+    }
+
+    /// The velocity (V) at any points of the fluid, and the additional pressure drop.
+    ///
+    /// # Errors
+    /// As [`Flow::velocity`]; points outside of the duct, in thin films or near its ends are refused like nodes.
+    pub fn velocity_at(
+        &self,
+        membrane: &Membrane,
+        points: &[[f64; 3]],
+        out: &mut [[f64; 3]],
+    ) -> Result<f64, FlowError> {
+        membrane.check(&[], &[])?;
+        self.check_inside(membrane.nodes)?;
+        self.check_inside(points)?;
+        let disturbance = self.disturbance(membrane);
+        self.evaluate(&disturbance, &[], points, out);
+        check_finite("velocity", out)?;
+        Ok(disturbance.pressure_drop)
+    }
+
+    fn check_inside(&self, points: &[[f64; 3]]) -> Result<(), FlowError> {
+        for (node, &[x, y, z]) in points.iter().enumerate() {
+            let gap = 1.0 - y.abs().max(z.abs());
+            let limit = self.half_length - END_DISTANCE;
+            if gap <= 0.0 {
+                return Err(FlowError::OutsideDuct { node, overlap: -gap });
+            }
+            if gap < MINIMUM_GAP {
+                return Err(FlowError::ThinFilm {
+                    node,
+                    gap,
+                    minimum: MINIMUM_GAP,
+                });
+            }
+            if x.abs() > limit {
+                return Err(FlowError::NearDuctEnd { node, x, limit });
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds the pressure drop and the traction on the wall that cancels the velocity of membrane and outlet there.
+    fn disturbance<'a>(&'a self, membrane: &'a Membrane<'a>) -> Disturbance<'a> {
+        // Reciprocity with the undisturbed flow, whose flow rate is 4.
+        let power = |(&[_, y, z], force): (&[f64; 3], &[f64; 3])| self.poiseuille.velocity(y, z) * force[0];
+        let pressure_drop = 0.25 * membrane.nodes.iter().zip(membrane.force).map(power).sum::<f64>();
+        let layer = MembraneLayer::new(membrane, &self.rules);
+        let mut velocity = vec![[0.0; 3]; self.wall.nodes().len()];
+        layer.add_to(&[], self.wall.nodes(), &mut velocity);
+        let mut traction = self.wall.solve(&velocity);
+        for (f, outlet) in traction.iter_mut().zip(&self.outlet_traction) {
+            for d in 0..3 {
+                f[d] = pressure_drop * outlet[d] - f[d];
+            }
+        }
+        Disturbance {
+            layer,
+            traction,
+            pressure_drop,
+        }
+    }
+
+    /// `v = v_inf - 1/(8 pi) [int_C J q dS + int_W J f dS - dp int_out J n dS]`; the first points are the `nodes`.
+    fn evaluate(&self, disturbance: &Disturbance, nodes: &[u32], points: &[[f64; 3]], out: &mut [[f64; 3]]) {
+        out.fill([0.0; 3]);
+        stokeslet::add_all(&self.outlet, points, out);
+        for value in out.iter_mut().flatten() {
+            *value *= -disturbance.pressure_drop;
+        }
+        disturbance.layer.add_to(nodes, points, out);
+        self.wall.add_layer(&disturbance.traction, points, out);
+        for (value, &[_, y, z]) in out.iter_mut().zip(points) {
+            *value = value.map(|c| -c / (8.0 * PI));
+            value[0] += self.poiseuille.velocity(y, z);
+        }
+    }
+}
+
+impl Flow for Duct {
+    fn velocity(&self, membrane: &Membrane, targets: &[u32], out: &mut [[f64; 3]]) -> Result<f64, FlowError> {
+        membrane.check(targets, out)?;
+        self.check_inside(membrane.nodes)?;
+        let points: Vec<[f64; 3]> = targets.iter().map(|&i| membrane.nodes[i as usize]).collect();
+        let disturbance = self.disturbance(membrane);
+        self.evaluate(&disturbance, targets, &points, out);
+        check_finite("velocity", out)?;
+        Ok(disturbance.pressure_drop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_support::{Loaded, difference};
+    use super::*;
+
+    fn velocity(settings: &DuctSettings, loaded: &Loaded) -> (Vec<[f64; 3]>, f64) {
+        let mut out = vec![[0.0; 3]; loaded.nodes.len()];
+        let drop = Duct::new(settings)
+            .unwrap()
+            .velocity(&loaded.membrane(), &loaded.all(), &mut out)
+            .unwrap();
+        (out, drop)
+    }
+
+    #[test]
+    fn net_disturbance_flux_vanishes_and_walls_hold() {
+        let duct = Duct::new(&DuctSettings::default()).unwrap();
+        let capsule = Loaded::capsule(6);
+        let (x, w) = super::super::quadrature::gauss_legendre(12);
+        for section in [-3.0, -2.0, -1.5, 1.5, 2.0, 3.0] {
+            let mut points = Vec::new();
+            let mut weights = Vec::new();
+            for (y, wy) in x.iter().zip(&w) {
+                for (z, wz) in x.iter().zip(&w) {
+                    points.push([section, *y, *z]);
+                    weights.push(wy * wz);
+                }
+            }
+            let mut out = vec![[0.0; 3]; points.len()];
+            let drop = duct.velocity_at(&capsule.membrane(), &points, &mut out).unwrap();
+            let flux: f64 = out.iter().zip(&weights).map(|(v, w)| v[0] * w).sum::<f64>() - 4.0;
+            println!("section {section}: flux {flux:.2e}, pressure drop {drop}");
+            assert!(flux.abs() < 1e-5 * drop.abs(), "{flux}");
+        }
+        // Close to the wall between collocation nodes, the velocity is small beside the membrane's (of order 1).
+        let points: Vec<_> = (0..40)
+            .map(|i| [-1.5 + 0.083 * f64::from(i), 0.9989, 0.017 * f64::from(i)])
+            .collect();
+        let mut out = vec![[0.0; 3]; points.len()];
+        duct.velocity_at(&capsule.membrane(), &points, &mut out).unwrap();
+        let largest = out.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
+        println!("largest velocity near the wall {largest:.2e}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Capsule-like surfaces with smooth loads, for the tests of the flow.
+
+use super::Membrane;
+use super::quadrature::TriangleRule;
+use crate::Mesh;
+
+/// A surface with a load and the force vector that belongs to it.
+pub struct Loaded {
+    pub mesh: Mesh,
+    pub nodes: Vec<[f64; 3]>,
+    pub load: Vec<[f64; 3]>,
+    pub force: Vec<[f64; 3]>,
+}
+
+impl Loaded {
+    /// The image of the unit sphere of mesh frequency `n` under `shape`, with `load` as a function of the point on the
+    /// unit sphere.
+    pub fn new(n: usize, shape: impl Fn([f64; 3]) -> [f64; 3], load: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        let mesh = Mesh::octahedral(n).unwrap();
+        let nodes: Vec<_> = mesh.nodes.iter().map(|&p| shape(p)).collect();
+        let load: Vec<_> = mesh.nodes.iter().map(|&p| load(p)).collect();
+        let mut force = vec![[0.0; 3]; nodes.len()];
+        let rule = TriangleRule::sixteen();
+        for element in &mesh.elements {
+            for (&[s, t], weight) in rule.points.iter().zip(&rule.weights) {
+                let r = 1.0 - s - t;
+                let phi = [
+                    r * (2.0 * r - 1.0),
+                    s * (2.0 * s - 1.0),
+                    t * (2.0 * t - 1.0),
+                    4.0 * r * s,
+                    4.0 * s * t,
+                    4.0 * t * r,
+                ];
+                let ds = [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t];
+                let dt = [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)];
+                let sum = |factors: &[f64; 6], field: &[[f64; 3]]| -> [f64; 3] {
+                    [0, 1, 2].map(|d| (0..6).map(|k| factors[k] * field[element[k] as usize][d]).sum())
+                };
+                let (a, b) = (sum(&ds, &nodes), sum(&dt, &nodes));
+                let normal = [
+                    a[1] * b[2] - a[2] * b[1],
+                    a[2] * b[0] - a[0] * b[2],
+                    a[0] * b[1] - a[1] * b[0],
+                ];
+                let area = normal.iter().map(|c| c * c).sum::<f64>().sqrt() * weight;
+                let q = sum(&phi, &load);
+                for k in 0..6 {
+                    for d in 0..3 {
+                        force[element[k] as usize][d] += area * phi[k] * q[d];
+                    }
+                }
+            }
+        }
+        Self {
+            mesh,
+            nodes,
+            load,
+            force,
+        }
+    }
+
+    /// A capsule in the duct with a film of 0.1 l, a dented rear, and a load of the square's symmetry that has all
+    /// components.
+    pub fn capsule(n: usize) -> Self {
+        Self::new(
+            n,
+            |[x, y, z]| {
+                let round = 0.88 * (1.0 - 0.1 * x);
+                [1.0 * x + 0.45 * (y * y + z * z) - 0.3, round * y, round * z]
+            },
+            |[x, y, z]| {
+                [
+                    3.0 + 4.0 * x + 2.0 * y * y * z * z,
+                    (5.0 * x - 2.0 + 3.0 * z * z) * y,
+                    (5.0 * x - 2.0 + 3.0 * y * y) * z,
+                ]
+            },
+        )
+    }
+
+    pub fn membrane(&self) -> Membrane<'_> {
+        Membrane {
+            elements: &self.mesh.elements,
+            nodes: &self.nodes,
+            load: &self.load,
+            force: &self.force,
+        }
+    }
+
+    pub fn all(&self) -> Vec<u32> {
+        (0..self.nodes.len() as u32).collect()
+    }
+}
+
+/// Largest component of a difference.
+pub fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    a.iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
+}
