@@ -1,34 +1,212 @@
 //! Errors, with what was found and what would be right.
 
-use core::fmt;
+use core::error::Error;
+use core::fmt::{Display, Formatter, Result};
 
 /// Why a model file was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// Shorter than its header or than the payload that the header announces.
+    /// Shorter than its header, or than the payload that the header announces.
     Truncated {
         /// Bytes needed.
         expected: usize,
         /// Bytes given.
         found: usize,
     },
+    /// Does not start with `CROM`.
+    Magic {
+        /// The first four bytes.
+        found: [u8; 4],
+    },
+    /// A format that this reader does not know.
+    Version {
+        /// The file's format.
+        found: u32,
+        /// The newest format that this reader knows.
+        supported: u32,
+    },
+    /// The payload is not what was written.
+    Checksum {
+        /// CRC-32 in the header.
+        expected: u32,
+        /// CRC-32 of the payload.
+        found: u32,
+    },
+    /// The payload is not a message of this format.
+    Undecodable,
+    /// Bytes after the end of the file's message.
+    TrailingBytes {
+        /// How many.
+        found: usize,
+    },
+    /// An array has the wrong number of rows, columns or entries.
+    Dimension {
+        /// What was counted.
+        what: &'static str,
+        /// The count that the rest of the file asks for (the least, or the bound, where several would do).
+        expected: usize,
+        /// The file's count.
+        found: usize,
+    },
+    /// An array's bytes do not fit its dimensions.
+    Length {
+        /// The array.
+        what: &'static str,
+        /// Bytes that its dimensions ask for.
+        expected: usize,
+        /// Bytes in the file.
+        found: usize,
+    },
+    /// An index points outside of what it numbers.
+    Index {
+        /// The array.
+        what: &'static str,
+        /// Position in the array.
+        index: usize,
+        /// The index found there.
+        value: usize,
+        /// What it must be below.
+        bound: usize,
+    },
+    /// A number that cannot stand where it stands.
+    Number {
+        /// The array.
+        what: &'static str,
+        /// Position in the array.
+        index: usize,
+        /// The number found there.
+        value: f32,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A setting outside its range.
+    Setting {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least value allowed.
+        min: f64,
+        /// Greatest value allowed.
+        max: f64,
+    },
+    /// A sector node that is not its own representative by operation 0.
+    SectorNode {
+        /// Index into the sector.
+        index: usize,
+        /// Full index of the node.
+        node: usize,
+    },
+    /// A needed outline is missing, or has fewer than three nodes.
+    MissingNodeSet {
+        /// Its name.
+        name: &'static str,
+    },
+    /// Two samples of a cluster have the same parameters.
+    DuplicateSample {
+        /// Row of the one.
+        first: usize,
+        /// Row of the other.
+        second: usize,
+    },
 }
 
-impl fmt::Display for OpenError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+impl Display for OpenError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match *self {
             Self::Truncated { expected, found } => {
                 write!(
                     f,
                     "the model file is truncated: {expected} bytes expected, {found} found"
                 )
             }
+            Self::Magic { found } => write!(f, "not a model file: it starts with {found:02x?} instead of \"CROM\""),
+            Self::Version { found, supported } if found > supported => write!(
+                f,
+                "the model file has format {found}, newer than {supported}, the newest that this reader knows; update \
+                 the reader"
+            ),
+            Self::Version { found, supported } => {
+                write!(
+                    f,
+                    "the model file has format {found}, which never existed; this reader knows {supported}"
+                )
+            }
+            Self::Checksum { expected, found } => {
+                write!(
+                    f,
+                    "the model file is damaged: CRC-32 {expected:08x} expected, {found:08x} found"
+                )
+            }
+            Self::Undecodable => write!(f, "the model file's message does not decode as its format says"),
+            Self::TrailingBytes { found } => write!(f, "{found} bytes follow the end of the model file's message"),
+            Self::Dimension { what, expected, found } => write!(f, "{what}: {expected} expected, {found} found"),
+            Self::Length { what, expected, found } => {
+                write!(
+                    f,
+                    "{what}: {expected} bytes expected from the dimensions, {found} found"
+                )
+            }
+            Self::Index {
+                what,
+                index,
+                value,
+                bound,
+            } => {
+                write!(f, "{what}: entry {index} is {value}, it must be below {bound}")
+            }
+            Self::Number {
+                what,
+                index,
+                value,
+                expected,
+            } => {
+                write!(f, "{what}: entry {index} is {value}, expected: {expected}")
+            }
+            Self::Setting { what, value, min, max } => write!(f, "{what} is {value}, it must be in [{min}, {max}]"),
+            Self::SectorNode { index, node } => {
+                write!(
+                    f,
+                    "sector node {index} is node {node}, which is not its own representative by operation 0"
+                )
+            }
+            Self::MissingNodeSet { name } => write!(f, "the node set \"{name}\" is missing or has fewer than 3 nodes"),
+            Self::DuplicateSample { first, second } => {
+                write!(f, "samples {first} and {second} of a cluster have the same parameters")
+            }
         }
     }
 }
 
-impl core::error::Error for OpenError {}
+impl Error for OpenError {}
+
+/// Why a model file was not written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum EncodeError {
+    /// The file does not fit into the buffer.
+    BufferTooShort {
+        /// Bytes given.
+        found: usize,
+    },
+    /// The payload's length does not fit into the header.
+    TooLong {
+        /// Bytes of the payload.
+        length: usize,
+    },
+}
+
+impl Display for EncodeError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match *self {
+            Self::BufferTooShort { found } => write!(f, "the model file does not fit into a buffer of {found} bytes"),
+            Self::TooLong { length } => write!(f, "a payload of {length} bytes is longer than the header can say"),
+        }
+    }
+}
+
+impl Error for EncodeError {}
 
 /// Why a question was not answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,41 +221,111 @@ pub enum EvaluateError {
         /// The workspace's figure.
         capacity: usize,
     },
+    /// A parameter, step or instant that is not a number in its range.
+    Value {
+        /// Its name.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least value allowed.
+        min: f64,
+        /// Greatest value allowed.
+        max: f64,
+    },
+    /// The parameters lie outside the sampled ranges.
+    OutsideDomain {
+        /// Ca.
+        capillary_number: f64,
+        /// a/l.
+        confinement: f64,
+        /// Sampled range of Ca.
+        capillary_range: [f64; 2],
+        /// Sampled range of a/l.
+        confinement_range: [f64; 2],
+    },
+    /// No steady state exists at these parameters.
+    BeyondSteadyLimit {
+        /// Ca.
+        capillary_number: f64,
+        /// a/l.
+        confinement: f64,
+        /// The largest Ca at this a/l that has a steady state.
+        limit: f64,
+    },
+    /// The weights of the samples do not sum to 1: the samples near the query are too close to each other.
+    Weights {
+        /// Their sum.
+        sum: f64,
+    },
+    /// An instant was asked for before a query was prepared.
+    NotPrepared,
+    /// The model has no such node.
+    UnknownNode {
+        /// Index asked for.
+        node: usize,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// The model has no node set of that name.
+    UnknownNodeSet,
+    /// The caller's buffer is too short.
+    BufferTooShort {
+        /// Entries needed.
+        required: usize,
+        /// Entries given.
+        found: usize,
+    },
+    /// The result is not finite: the parameters are too far from all samples.
+    NotFinite,
 }
 
-impl fmt::Display for EvaluateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+impl Display for EvaluateError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match *self {
             Self::Capacity {
                 limit,
                 required,
                 capacity,
             } => {
-                write!(f, "the model needs {required} {limit}, the workspace holds {capacity}")
+                write!(f, "the model has {required} {limit}, the workspace holds {capacity}")
             }
+            Self::Value { what, value, min, max } => write!(f, "{what} is {value}, it must be in [{min}, {max}]"),
+            Self::OutsideDomain {
+                capillary_number,
+                confinement,
+                capillary_range,
+                confinement_range,
+            } => write!(
+                f,
+                "Ca = {capillary_number}, a/l = {confinement} lies outside the sampled domain Ca in [{}, {}], a/l in \
+                 [{}, {}]",
+                capillary_range[0], capillary_range[1], confinement_range[0], confinement_range[1]
+            ),
+            Self::BeyondSteadyLimit {
+                capillary_number,
+                confinement,
+                limit,
+            } => write!(
+                f,
+                "no steady state at Ca = {capillary_number}, a/l = {confinement}: the limit there is Ca = {limit}"
+            ),
+            Self::Weights { sum } => write!(
+                f,
+                "the samples near the query are too close to each other: their \
+                weights sum to {sum} instead of 1"
+            ),
+            Self::NotPrepared => write!(f, "an instant was asked for before a query was prepared"),
+            Self::UnknownNode { node, nodes } => write!(f, "node {node} does not exist: the mesh has {nodes} nodes"),
+            Self::UnknownNodeSet => write!(f, "the model has no node set of that name"),
+            Self::BufferTooShort { required, found } => {
+                write!(f, "the buffer holds {found} entries, {required} are needed")
+            }
+            Self::NotFinite => write!(
+                f,
+                "the result is not finite: the parameters are too far from all samples"
+            ),
         }
     }
 }
 
-impl core::error::Error for EvaluateError {}
-
-/// Why a model file was not written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum EncodeError {
-    /// The file does not fit into the buffer.
-    BufferTooShort {
-        /// Bytes given.
-        found: usize,
-    },
-}
-
-impl fmt::Display for EncodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::BufferTooShort { found } => write!(f, "the model file does not fit into a buffer of {found} bytes"),
-        }
-    }
-}
-
-impl core::error::Error for EncodeError {}
+impl Error for EvaluateError {}

@@ -1,7 +1,16 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
+use crate::direct;
 use crate::error::EvaluateError;
-use crate::{Domain, Model, Observables, Query, Real, Scene, Workspace};
+use crate::expected_error::expected_error;
+use crate::field::{Field, Times};
+use crate::interpolate::{RIDGE_ROWS, Weights};
+use crate::model::wire::Cluster;
+use crate::model::{MatrixView, Model};
+use crate::observables::{Extremes, Observables, axial_radial, volume};
+use crate::reconstruct::{Snapshot, room};
+use crate::workspace::{Prepared, Workspace};
+use crate::{Domain, Frame, Method, Query, Real, Scene};
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
 #[derive(Debug)]
@@ -16,82 +25,360 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
     /// # Errors
     /// [`EvaluateError::Capacity`] if the model does not fit.
     pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N>) -> Result<Self, EvaluateError> {
+        let contents = model.contents();
+        for cluster in &contents.clusters {
+            for (field, modes, parameter_modes) in [
+                (
+                    &cluster.displacement,
+                    "displacement modes",
+                    "displacement parameter modes",
+                ),
+                (&cluster.velocity, "velocity modes", "velocity parameter modes"),
+            ] {
+                fits(modes, field.modes.columns as usize + 1, K)?;
+                fits(parameter_modes, field.parameter_modes.columns as usize, K)?;
+            }
+        }
+        fits("neighbours of the kernel", contents.kernel.neighbours.into(), N)?;
+        fits(
+            "neighbours of the diffuse approximation",
+            contents.paper.neighbours.into(),
+            N - RIDGE_ROWS,
+        )?;
+        fits("local displacement modes", contents.paper.displacement_rank.into(), M)?;
+        fits("local velocity modes", contents.paper.velocity_rank.into(), M)?;
         Ok(Self { model, workspace })
     }
 
     /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie.
     ///
     /// # Errors
-    /// Parameters that are not positive and finite, or outside the domain without `extrapolate`; a step that is too
-    /// small or not positive.
+    /// Parameters that are not positive and finite, or outside the domain without `extrapolate`; a step that is not in
+    /// its range.
     pub fn prepare(&mut self, query: &Query<T>) -> Result<Domain, EvaluateError> {
-        let _ = (query, &self.model, &self.workspace);
-        unimplemented!()
+        let digest = self.model.digest();
+        if let Some(Prepared { domain, .. }) = self
+            .workspace
+            .prepared
+            .filter(|prepared| prepared.digest == digest && prepared.query == *query)
+        {
+            return Ok(domain);
+        }
+        let domain = self.judge(query)?;
+        let workspace = &mut *self.workspace;
+        workspace.forget();
+        let contents = self.model.contents();
+        let cluster = self.model.cluster(query.confinement);
+        let samples = MatrixView::new(&cluster.samples).pairs();
+        let parameters = [query.capillary_number, query.confinement];
+        workspace.weights = match query.method {
+            Method::Direct => {
+                let scratch = workspace.scratch.as_flattened_mut();
+                Weights::kernel(&contents.kernel, samples, parameters, None, scratch)?
+            }
+            Method::Paper => Weights::diffuse(&contents.paper, samples, parameters, None)?,
+        };
+        for (field, psi) in [&cluster.displacement, &cluster.velocity]
+            .into_iter()
+            .zip(&mut workspace.psi)
+        {
+            let modes = MatrixView::new(&field.parameter_modes);
+            workspace.weights.combine(&modes, &mut psi[..modes.columns()]);
+        }
+        workspace.prepared = Some(Prepared {
+            digest,
+            query: *query,
+            domain,
+        });
+        Ok(domain)
     }
 
-    /// Goes to the instant `t` in [0, T], in l/V, of the prepared query.
+    /// Checks a query's numbers and its place.
+    fn judge(&self, query: &Query<T>) -> Result<Domain, EvaluateError> {
+        const LEAST: f64 = 1e-6;
+        const GREATEST: f64 = 1e6;
+        const MOST_STEPS: f64 = 1e5;
+        let end_time = f64::from(self.model.end_time());
+        within("the capillary number", query.capillary_number, LEAST, GREATEST)?;
+        within("the confinement", query.confinement, LEAST, GREATEST)?;
+        within("the step", query.step, end_time / MOST_STEPS, end_time)?;
+        let domain = self.model.domain(query.capillary_number, query.confinement);
+        let [capillary_number, confinement] = [query.capillary_number, query.confinement].map(T::to_f64);
+        match domain {
+            Domain::Outside if !query.extrapolate => {
+                let [capillary_range, confinement_range] = self
+                    .model
+                    .contents()
+                    .metadata
+                    .parameters
+                    .map(|range| [range.min, range.max]);
+                Err(EvaluateError::OutsideDomain {
+                    capillary_number,
+                    confinement,
+                    capillary_range,
+                    confinement_range,
+                })
+            }
+            Domain::BeyondSteadyLimit if !query.extrapolate => {
+                let limit = self.model.steady_limit(query.confinement).to_f64();
+                Err(EvaluateError::BeyondSteadyLimit {
+                    capillary_number,
+                    confinement,
+                    limit,
+                })
+            }
+            domain => Ok(domain),
+        }
+    }
+
+    /// Goes to the instant `t` in [0, T], in l/V, of the prepared query. Costs nothing until something is asked of it.
     ///
     /// # Errors
     /// No query prepared; `t` outside [0, T].
     pub fn at(&mut self, t: T) -> Result<Instant<'_, 'a, T, K, M, N>, EvaluateError> {
-        Ok(Instant { evaluator: self, t })
+        let end_time = self.model.end_time();
+        // The end as a caller may write it in another precision counts as the end.
+        let end = T::from_f32(end_time);
+        let t = if t > end && t <= end * (T::ONE + T::from_f32(f32::EPSILON)) {
+            end
+        } else {
+            t
+        };
+        within("the instant", t, 0.0, f64::from(end_time))?;
+        let prepared = self
+            .workspace
+            .prepared
+            .filter(|prepared| prepared.digest == self.model.digest());
+        let query = prepared.ok_or(EvaluateError::NotPrepared)?.query;
+        Ok(Instant {
+            model: self.model,
+            workspace: self.workspace,
+            query,
+            t,
+        })
     }
 }
 
-/// One instant of the prepared query. Every method computes what it returns and nothing else.
+/// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps what the next
+/// may need.
 #[derive(Debug)]
 pub struct Instant<'e, 'a, T, const K: usize, const M: usize, const N: usize> {
-    evaluator: &'e mut Evaluator<'a, T, K, M, N>,
+    model: &'a Model<'a>,
+    workspace: &'e mut Workspace<T, K, M, N>,
+    query: Query<T>,
     t: T,
 }
 
-impl<T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, '_, T, K, M, N> {
+impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a, T, K, M, N> {
     /// The instant, in l/V.
     pub fn t(&self) -> T {
-        let _ = &self.evaluator;
         self.t
     }
 
     /// Axial position X_c of the volume centroid in the laboratory frame, in l.
-    pub fn centroid(&self) -> T {
-        unimplemented!()
+    pub fn centroid(&mut self) -> T {
+        self.displacement();
+        self.workspace.displacement.values[0] / self.root_of_nodes()
     }
 
-    /// Axial velocity U of the volume centroid, in V.
-    pub fn centroid_velocity(&mut self) -> Result<T, EvaluateError> {
-        unimplemented!()
+    /// Axial velocity U = dX_c/dt of the volume centroid, in V.
+    pub fn centroid_velocity(&mut self) -> T {
+        let coefficient = match self.query.method {
+            Method::Direct if self.workspace.velocity.t != Some(self.t) => {
+                let field = Field::new(&self.cluster().velocity, &self.workspace.psi[1]);
+                direct::velocity(&self.times(), &field, 0, self.t)
+            }
+            _ => {
+                self.velocity();
+                self.workspace.velocity.values[0]
+            }
+        };
+        coefficient / self.root_of_nodes()
     }
 
     /// Lengths and velocity; reconstructs the nodes of the two outlines only.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
     pub fn observables(&mut self) -> Result<Observables<T>, EvaluateError> {
-        unimplemented!()
+        let centroid = self.centroid();
+        let velocity = self.centroid_velocity();
+        if !(centroid.is_finite() && velocity.is_finite()) {
+            return Err(EvaluateError::NotFinite);
+        }
+        let extremes = Extremes::new(self.model, &self.shape(Frame::Centroid))?;
+        Ok(Observables {
+            axial_length: extremes.front - extremes.rear,
+            half_width: extremes.half_width,
+            half_diagonal: extremes.half_diagonal,
+            rear_depth: extremes.rear_pole - extremes.rear,
+            velocity,
+            centroid,
+        })
     }
 
-    /// Volume enclosed by the P2 surface, in l^3.
+    /// Volume enclosed by the P2 surface, in l^3; reconstructs a quarter of the surface.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
     pub fn volume(&mut self) -> Result<T, EvaluateError> {
-        unimplemented!()
+        volume(&self.shape(Frame::Centroid))
     }
 
-    /// Positions of the scene's nodes, in l; `out` holds at least as many entries. Returns how many were written.
+    /// Positions of the scene's nodes, in l, into the first entries of `out`. Returns how many there are.
+    ///
+    /// # Errors
+    /// A scene that does not fit the model or `out`; [`EvaluateError::NotFinite`].
     pub fn positions(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
-        let _ = (scene, out);
-        unimplemented!()
+        let model = self.model;
+        self.shape(scene.frame).fill(model, scene.nodes, out)
     }
 
     /// Velocities of the scene's nodes, in V, like [`positions`](Self::positions).
+    ///
+    /// # Errors
+    /// As [`positions`](Self::positions).
     pub fn velocities(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
-        let _ = (scene, out);
-        unimplemented!()
+        self.velocity();
+        let coefficients = &self.workspace.velocity.values;
+        let modes = MatrixView::new(&self.cluster().velocity.modes);
+        let translation = match scene.frame {
+            Frame::Laboratory => coefficients[0] / self.root_of_nodes(),
+            Frame::Centroid => T::ZERO,
+        };
+        let coefficients = &coefficients[1..modes.columns() + 1];
+        let field = Snapshot {
+            mesh: self.model.mesh(),
+            modes,
+            coefficients,
+            scale: T::ZERO,
+            translation,
+        };
+        field.fill(self.model, scene.nodes, out)
     }
 
-    /// The named outline as points [x, r] with r = sqrt(y^2 + z^2), front to rear. Returns how many were written.
-    pub fn outline(&mut self, scene: &Scene<'_>, out: &mut [[T; 2]]) -> Result<usize, EvaluateError> {
-        let _ = (scene, out);
-        unimplemented!()
+    /// A named outline as points [x, r] with r = sqrt(y^2 + z^2), front to rear, into the first entries of `out`.
+    /// Returns how many there are.
+    ///
+    /// # Errors
+    /// No such node set; `out` too short; [`EvaluateError::NotFinite`].
+    pub fn outline(&mut self, name: &str, frame: Frame, out: &mut [[T; 2]]) -> Result<usize, EvaluateError> {
+        let nodes = self.model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
+        let out = room(out, nodes.len())?;
+        let shape = self.shape(frame);
+        for (node, out) in nodes.iter().zip(&mut *out) {
+            *out = axial_radial(shape.node(node)?);
+        }
+        Ok(out.len())
     }
 
     /// Expected modified Hausdorff distance to the truth in the laboratory frame, as a fraction of a.
     pub fn expected_error(&self) -> T {
-        unimplemented!()
+        let cluster = self.cluster();
+        let errors = match self.query.method {
+            Method::Direct => &cluster.direct_errors,
+            Method::Paper => &cluster.paper_errors,
+        };
+        let instants = MatrixView::new(&self.model.contents().error_times);
+        expected_error(errors, &instants, &self.workspace.weights, self.t)
+    }
+
+    fn cluster(&self) -> &'a Cluster<'a> {
+        self.model.cluster(self.query.confinement)
+    }
+
+    fn times(&self) -> Times<'a> {
+        Times(self.model.times())
+    }
+
+    /// sqrt(N_x), the scale of the translation's coefficient.
+    fn root_of_nodes(&self) -> T {
+        T::from_index(self.model.mesh().nodes()).sqrt()
+    }
+
+    /// Brings the displacement's coefficients to this instant.
+    fn displacement(&mut self) {
+        let (cluster, times) = (self.cluster(), self.times());
+        let workspace = &mut *self.workspace;
+        if workspace.displacement.t == Some(self.t) {
+            return;
+        }
+        let [u, v] = fields(cluster, &workspace.psi);
+        let cross_product = MatrixView::new(&cluster.cross_product);
+        let out = &mut workspace.displacement.values[..u.rank()];
+        match self.query.method {
+            Method::Direct => workspace
+                .interval
+                .displacement(&times, &u, &v, &cross_product, self.t, out),
+            Method::Paper => {}
+        }
+        workspace.displacement.t = Some(self.t);
+    }
+
+    /// Brings the velocity's coefficients to this instant.
+    fn velocity(&mut self) {
+        let (cluster, times) = (self.cluster(), self.times());
+        let workspace = &mut *self.workspace;
+        if workspace.velocity.t == Some(self.t) {
+            return;
+        }
+        let [_, v] = fields(cluster, &workspace.psi);
+        match self.query.method {
+            Method::Direct => {
+                for (k, out) in workspace.velocity.values[..v.rank()].iter_mut().enumerate() {
+                    *out = direct::velocity(&times, &v, k, self.t);
+                }
+            }
+            Method::Paper => {}
+        }
+        workspace.velocity.t = Some(self.t);
+    }
+
+    /// The surface at this instant.
+    fn shape(&mut self, frame: Frame) -> Snapshot<'a, '_, T> {
+        self.displacement();
+        let modes = MatrixView::new(&self.cluster().displacement.modes);
+        let coefficients = &self.workspace.displacement.values;
+        let translation = match frame {
+            Frame::Laboratory => coefficients[0] / self.root_of_nodes(),
+            Frame::Centroid => T::ZERO,
+        };
+        let coefficients = &coefficients[1..modes.columns() + 1];
+        Snapshot {
+            mesh: self.model.mesh(),
+            modes,
+            coefficients,
+            scale: self.query.confinement,
+            translation,
+        }
+    }
+}
+
+/// Displacement and velocity of a cluster at the query's parameters.
+fn fields<'a, 's, T: Real, const K: usize>(cluster: &Cluster<'a>, psi: &'s [[T; K]; 2]) -> [Field<'a, 's, T>; 2] {
+    [
+        Field::new(&cluster.displacement, &psi[0]),
+        Field::new(&cluster.velocity, &psi[1]),
+    ]
+}
+
+fn fits(limit: &'static str, required: usize, capacity: usize) -> Result<(), EvaluateError> {
+    if required <= capacity {
+        Ok(())
+    } else {
+        Err(EvaluateError::Capacity {
+            limit,
+            required,
+            capacity,
+        })
+    }
+}
+
+fn within<T: Real>(what: &'static str, value: T, min: f64, max: f64) -> Result<(), EvaluateError> {
+    let value = value.to_f64();
+    if min <= value && value <= max {
+        Ok(())
+    } else {
+        Err(EvaluateError::Value { what, value, min, max })
     }
 }

@@ -5,12 +5,19 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod direct;
+mod dynamics;
 pub mod error;
 mod evaluator;
+mod expected_error;
+mod field;
+pub mod interpolate;
+mod linalg;
 pub mod model;
 mod observables;
 mod query;
 mod real;
+mod reconstruct;
 mod scene;
 mod workspace;
 

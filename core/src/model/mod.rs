@@ -1,14 +1,41 @@
 //! The model file: wire format, validation, views that read in place.
+//!
+//! A file is a 16-byte header (magic `CROM`, format version, payload length, CRC-32 of the payload, all little-endian
+//! u32) and one postcard message, see [`wire`]. [`Model::open`] checks everything once; after it no accessor and no
+//! evaluation depends on the file being well made any more.
 
+mod encode;
+mod matrix;
+mod mesh;
+mod validate;
 pub mod wire;
 
-use crate::error::{EncodeError, OpenError};
-use wire::Contents;
+pub use encode::encode;
+pub use matrix::{Indices, MatrixView};
+pub use mesh::Mesh;
+pub(crate) use mesh::apply;
+
+use crate::error::OpenError;
+use crate::{Domain, Real};
+use crc::{CRC_32_ISO_HDLC, Crc};
+use wire::{Cluster, Contents};
 
 /// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole.
 pub const MIDPLANE: &str = "midplane";
 /// Name of the node set of the outline y = z >= 0, front pole to rear pole.
 pub const DIAGONAL: &str = "diagonal";
+
+const MAGIC: [u8; 4] = *b"CROM";
+const VERSION: u32 = 1;
+const HEADER_LENGTH: usize = 16;
+static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// The most samples that a cluster may hold.
+pub(crate) const MOST_SAMPLES: usize = 1 << 16;
+
+/// Rounding that a parameter may carry and still count as within a range: singles of the file against doubles of the
+/// caller.
+const PARAMETER_TOLERANCE: f64 = 1e-6;
 
 /// A validated model, reading the file's bytes where they lie.
 #[derive(Clone, Debug)]
@@ -23,10 +50,14 @@ impl<'a> Model<'a> {
     /// # Errors
     /// What is wrong with the file, see [`OpenError`].
     pub fn open(file: &'a [u8]) -> Result<Self, OpenError> {
-        Err(OpenError::Truncated {
-            expected: 16,
-            found: file.len(),
-        })
+        let (payload, digest) = payload(file)?;
+        let (contents, rest) =
+            postcard::take_from_bytes::<Contents<'a>>(payload).map_err(|_| OpenError::Undecodable)?;
+        if !rest.is_empty() {
+            return Err(OpenError::TrailingBytes { found: rest.len() });
+        }
+        validate::contents(&contents)?;
+        Ok(Self { contents, digest })
     }
 
     /// CRC-32 of the payload: identifies the model.
@@ -38,13 +69,115 @@ impl<'a> Model<'a> {
     pub fn contents(&self) -> &Contents<'a> {
         &self.contents
     }
+
+    /// The surface mesh.
+    pub fn mesh(&self) -> Mesh<'a> {
+        Mesh::new(&self.contents.mesh)
+    }
+
+    /// The named node set, if the model has it.
+    pub fn node_set(&self, name: &str) -> Option<Indices<'a>> {
+        self.contents
+            .mesh
+            .node_sets
+            .iter()
+            .find(|set| set.name == name)
+            .map(|set| Indices::new(&set.nodes))
+    }
+
+    /// Stored instants `[N_t, 1]` in l/V.
+    pub fn times(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.times)
+    }
+
+    /// The last instant that can be asked for, in l/V.
+    pub fn end_time(&self) -> f32 {
+        let times = self.times();
+        times.get(times.rows().saturating_sub(1), 0)
+    }
+
+    /// The largest Ca that has a steady state at a confinement, linear between the stored points.
+    pub fn steady_limit<T: Real>(&self, confinement: T) -> T {
+        let limit = MatrixView::new(&self.contents.steady_limit);
+        let point = |i| (T::from_f32(limit.get(i, 0)), T::from_f32(limit.get(i, 1)));
+        let upper = (0..limit.rows())
+            .find(|&i| point(i).0 >= confinement)
+            .unwrap_or(limit.rows() - 1);
+        let (x1, y1) = point(upper);
+        let (x0, y0) = point(upper.saturating_sub(1));
+        if upper == 0 || confinement >= x1 {
+            y1
+        } else {
+            y0 + (y1 - y0) * (confinement - x0) / (x1 - x0)
+        }
+    }
+
+    /// Where a pair of parameters lies; numbers that are not finite lie outside.
+    pub fn domain<T: Real>(&self, capillary_number: T, confinement: T) -> Domain {
+        let slack = T::from_f64(1.0 + PARAMETER_TOLERANCE);
+        let within = [capillary_number, confinement]
+            .iter()
+            .zip(&self.contents.metadata.parameters)
+            .all(|(value, range)| *value * slack >= T::from_f64(range.min) && *value <= T::from_f64(range.max) * slack);
+        if !within {
+            Domain::Outside
+        } else if capillary_number > self.steady_limit(confinement) * slack {
+            Domain::BeyondSteadyLimit
+        } else {
+            Domain::Inside
+        }
+    }
+
+    /// The cluster that answers for a confinement: the first that reaches up to it, else the last.
+    pub(crate) fn cluster<T: Real>(&self, confinement: T) -> &Cluster<'a> {
+        let clusters = &self.contents.clusters;
+        let slack = T::from_f64(1.0 + PARAMETER_TOLERANCE);
+        let reaches = |cluster: &&Cluster<'a>| confinement <= T::from_f64(cluster.confinement_max) * slack;
+        // Validation refuses a model without a cluster.
+        clusters
+            .iter()
+            .find(reaches)
+            .unwrap_or(&clusters[clusters.len().saturating_sub(1)])
+    }
 }
 
-/// Writes a model file into `buffer`, choosing the pads, and returns its length.
-///
-/// # Errors
-/// [`EncodeError`] if the buffer is too short.
-pub fn encode(contents: &Contents<'_>, buffer: &mut [u8]) -> Result<usize, EncodeError> {
-    let _ = contents;
-    Err(EncodeError::BufferTooShort { found: buffer.len() })
+/// The payload of a file and its CRC-32, if the header is right.
+fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
+    let truncated = |expected| OpenError::Truncated {
+        expected,
+        found: file.len(),
+    };
+    let (words, _) = file
+        .get(..HEADER_LENGTH)
+        .ok_or(truncated(HEADER_LENGTH))?
+        .as_chunks::<4>();
+    if words[0] != MAGIC {
+        return Err(OpenError::Magic { found: words[0] });
+    }
+    let [version, length, checksum] = [1, 2, 3].map(|i| u32::from_le_bytes(words[i]));
+    if version != VERSION {
+        return Err(OpenError::Version {
+            found: version,
+            supported: VERSION,
+        });
+    }
+    let body = &file[HEADER_LENGTH..];
+    let length = length as usize;
+    if body.len() < length {
+        return Err(truncated(HEADER_LENGTH.saturating_add(length)));
+    }
+    if body.len() > length {
+        return Err(OpenError::TrailingBytes {
+            found: body.len() - length,
+        });
+    }
+    let found = CHECKSUM.checksum(body);
+    if found != checksum {
+        Err(OpenError::Checksum {
+            expected: checksum,
+            found,
+        })
+    } else {
+        Ok((body, found))
+    }
 }

@@ -149,7 +149,7 @@ pub struct Errors<'a> {
     /// distance in the laboratory frame, fraction of a.
     #[serde(borrow)]
     pub left_out: Matrix<'a>,
-    /// `[N_c, 1]`: deviation of the weights of that prediction, > 0.
+    /// `[N_c, 1]`: [`Weights::deviation`](crate::interpolate::Weights::deviation) of that prediction, > 0.
     pub deviation: Matrix<'a>,
     /// Error that remains at a sample itself (truncation, storage), fraction of a.
     pub floor: f64,
@@ -219,6 +219,40 @@ pub struct Blob<'a> {
     pub pad: &'a [u8],
     /// The numbers.
     pub data: &'a [u8],
+}
+
+impl<'a> Contents<'a> {
+    /// The most blobs that a message can hold.
+    pub(crate) const MAX_BLOBS: usize = 8 + MAX_NODE_SETS + 12 * MAX_CLUSTERS;
+
+    /// Visits every blob in the order of the message.
+    pub(crate) fn for_each_blob(&mut self, visit: &mut impl FnMut(&mut Blob<'a>)) {
+        let mesh = &mut self.mesh;
+        visit(&mut mesh.elements);
+        visit(&mut mesh.sector_reference.blob);
+        visit(&mut mesh.sector_nodes);
+        visit(&mut mesh.representative);
+        visit(&mut mesh.operation);
+        for set in &mut mesh.node_sets {
+            visit(&mut set.nodes);
+        }
+        visit(&mut self.times.blob);
+        visit(&mut self.error_times.blob);
+        visit(&mut self.steady_limit.blob);
+        for cluster in &mut self.clusters {
+            visit(&mut cluster.samples.blob);
+            for field in [&mut cluster.displacement, &mut cluster.velocity] {
+                visit(&mut field.modes.blob);
+                visit(&mut field.coefficients.blob);
+                visit(&mut field.parameter_modes.blob);
+            }
+            visit(&mut cluster.cross_product.blob);
+            for errors in [&mut cluster.direct_errors, &mut cluster.paper_errors] {
+                visit(&mut errors.left_out.blob);
+                visit(&mut errors.deviation.blob);
+            }
+        }
+    }
 }
 
 impl<'a> Blob<'a> {

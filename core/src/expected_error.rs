@@ -1,0 +1,36 @@
+//! Expected error of an answer, without the truth: how uncertain the interpolation is at the query, in units of how
+//! much the neighbours' own predictions erred for theirs.
+
+use crate::Real;
+use crate::interpolate::Weights;
+use crate::model::MatrixView;
+use crate::model::wire::Errors;
+
+/// floor + deviation * mean over the neighbours j, weighted by |L_j|, of (left-out error_j(t) / deviation_j), with the
+/// errors linear in time between their instants and constant beyond. A fraction of a.
+pub(crate) fn expected_error<T: Real, const N: usize>(
+    errors: &Errors<'_>,
+    instants: &MatrixView<'_>,
+    weights: &Weights<T, N>,
+    t: T,
+) -> T {
+    let (left_out, deviations) = (MatrixView::new(&errors.left_out), MatrixView::new(&errors.deviation));
+    let instant = |i| T::from_f32(instants.get(i, 0));
+    let last = instants.rows() - 1;
+    let upper = (0..last).find(|&i| instant(i) >= t).unwrap_or(last);
+    let lower = upper.saturating_sub(1);
+    let share = if lower == upper {
+        T::ZERO
+    } else {
+        ((t - instant(lower)) / (instant(upper) - instant(lower))).min(T::ONE)
+    };
+    let ratio = |sample: usize| {
+        let [before, after] = [lower, upper].map(|i| T::from_f32(left_out.get(sample, i)));
+        (before + share * (after - before)) / T::from_f32(deviations.get(sample, 0))
+    };
+    let sum = weights
+        .iter()
+        .map(|(sample, weight)| weight.abs() * ratio(sample))
+        .sum::<T>();
+    T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
+}

@@ -1,0 +1,67 @@
+//! One query's view of the model: the double POD of both fields with the parameters already contracted.
+
+use crate::Real;
+use crate::model::MatrixView;
+use crate::model::wire;
+
+/// A field of a cluster at the query's parameters: coefficients(t_i) = A(t_i) psi.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Field<'a, 's, T> {
+    pub(crate) modes: MatrixView<'a>,
+    coefficients: MatrixView<'a>,
+    psi: &'s [T],
+}
+
+impl<'a, 's, T: Real> Field<'a, 's, T> {
+    /// `psi` holds at least K_c entries.
+    pub(crate) fn new(field: &wire::Field<'a>, psi: &'s [T]) -> Self {
+        let coefficients = MatrixView::new(&field.coefficients);
+        let psi = &psi[..coefficients.columns()];
+        Self {
+            modes: MatrixView::new(&field.modes),
+            coefficients,
+            psi,
+        }
+    }
+
+    /// K, the number of coefficients: the translation and one a mode.
+    pub(crate) fn rank(&self) -> usize {
+        self.modes.columns() + 1
+    }
+
+    /// Coefficient `k` at the stored instant `i`.
+    pub(crate) fn coefficient(&self, i: usize, k: usize) -> T {
+        self.coefficients.dot(i * self.rank() + k, self.psi)
+    }
+
+    /// All coefficients at the stored instant `i` (eqs. 21 to 24), as many as `out` holds.
+    pub(crate) fn at_instant(&self, i: usize, out: &mut [T]) {
+        self.coefficients.multiply(i * self.rank(), self.psi, out);
+    }
+}
+
+/// The stored instants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Times<'a>(pub(crate) MatrixView<'a>);
+
+impl Times<'_> {
+    /// Number of instants.
+    pub(crate) fn count(&self) -> usize {
+        self.0.rows()
+    }
+
+    /// Instant `i`.
+    pub(crate) fn get<T: Real>(&self, i: usize) -> T {
+        T::from_f32(self.0.get(i, 0))
+    }
+
+    /// The interval [t_i, t_i+1] that holds t, by halving; the first or last one outside.
+    pub(crate) fn interval<T: Real>(&self, t: T) -> usize {
+        let (mut low, mut high) = (0, self.count() - 1);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            *(if t < self.get(middle) { &mut high } else { &mut low }) = middle;
+        }
+        low
+    }
+}

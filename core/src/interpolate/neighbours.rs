@@ -1,0 +1,71 @@
+//! The samples nearest to a query.
+
+use super::norm;
+use crate::Real;
+use crate::model::MOST_SAMPLES;
+
+/// A sample near the query.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Neighbour<T> {
+    /// Number of the sample.
+    pub(super) sample: usize,
+    /// Its place minus the query's, in the interpolation's coordinates.
+    pub(super) offset: [T; 2],
+    /// Length of the offset.
+    pub(super) distance: T,
+}
+
+/// The nearest samples in order of distance (at equal distance, of their number), as many as `out` holds; returns how
+/// many there are.
+pub(super) fn nearest<T: Real>(
+    offsets: impl Iterator<Item = [T; 2]>,
+    left_out: Option<usize>,
+    out: &mut [Neighbour<T>],
+) -> usize {
+    let mut count = 0;
+    for (sample, offset) in offsets.enumerate().take(MOST_SAMPLES) {
+        if Some(sample) == left_out {
+            continue;
+        }
+        let distance = norm(offset);
+        let place = out[..count]
+            .iter()
+            .take_while(|neighbour| neighbour.distance <= distance)
+            .count();
+        if place < out.len() {
+            count = (count + 1).min(out.len());
+            out.copy_within(place..count - 1, place + 1);
+            out[place] = Neighbour {
+                sample,
+                offset,
+                distance,
+            };
+        }
+    }
+    count
+}
+
+impl<T: Real> Neighbour<T> {
+    /// A place holder.
+    pub(super) const NONE: Self = Self {
+        sample: 0,
+        offset: [T::ZERO; 2],
+        distance: T::ZERO,
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_the_nearest_in_order() {
+        let offsets = [[3.0, 0.0], [0.0, 1.0], [2.0, 0.0], [0.0, -1.0], [0.5, 0.0]];
+        let mut out = [Neighbour::NONE; 3];
+        assert_eq!(nearest(offsets.into_iter(), None, &mut out), 3);
+        assert_eq!(out.map(|neighbour| neighbour.sample), [4, 1, 3]);
+        assert_eq!(nearest(offsets.into_iter(), Some(4), &mut out), 3);
+        assert_eq!(out.map(|neighbour| neighbour.sample), [1, 3, 2]);
+        assert_eq!(nearest(offsets.into_iter().take(1), None, &mut out), 1);
+    }
+}

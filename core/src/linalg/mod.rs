@@ -1,0 +1,41 @@
+//! Small dense kernels with a fixed order of accumulation, so that every target rounds alike.
+
+pub(crate) mod cholesky;
+mod qr;
+
+pub(crate) use qr::Qr;
+
+use crate::Real;
+
+const LANES: usize = 8;
+
+/// Dot product of stored entries with a vector, over the shorter of the two. Entry i goes to lane i mod 8 and the lanes
+/// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are.
+pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
+    let mut lanes = [T::ZERO; LANES];
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    debug_assert_eq!(a.len(), x.len());
+    for (a, x) in a_chunks.iter().zip(x_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += value(a[lane]) * x[lane];
+        }
+    }
+    for ((lane, a), x) in lanes.iter_mut().zip(a_rest).zip(x_rest) {
+        *lane += value(*a) * *x;
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// Dot product of two vectors.
+pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
+    dot_by(a, x, |value| value)
+}
+
+/// y <- y + factor x.
+pub(crate) fn add_scaled<T: Real>(y: &mut [T], factor: T, x: &[T]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += factor * *x;
+    }
+}

@@ -1,0 +1,72 @@
+//! The surface mesh and the symmetry of the square duct.
+
+use super::matrix::{Indices, MatrixView};
+use super::wire;
+
+/// Carries a vector from its sector node to a node: swap y and z (bit 2), then y -> -y (bit 0) and z -> -z (bit 1).
+pub(crate) fn apply<T: Copy + core::ops::Neg<Output = T>>(operation: u8, [x, y, z]: [T; 3]) -> [T; 3] {
+    let (y, z) = if operation & 4 == 0 { (y, z) } else { (z, y) };
+    [
+        x,
+        if operation & 1 == 0 { y } else { -y },
+        if operation & 2 == 0 { z } else { -z },
+    ]
+}
+
+/// The mesh of a validated model.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    nodes: usize,
+    elements: &'a [u8],
+    sector_reference: MatrixView<'a>,
+    sector_nodes: Indices<'a>,
+    representative: Indices<'a>,
+    operation: &'a [u8],
+}
+
+impl<'a> Mesh<'a> {
+    pub(super) fn new(mesh: &wire::Mesh<'a>) -> Self {
+        Self {
+            nodes: mesh.nodes as usize,
+            elements: mesh.elements.data,
+            sector_reference: MatrixView::new(&mesh.sector_reference),
+            sector_nodes: Indices::new(&mesh.sector_nodes),
+            representative: Indices::new(&mesh.representative),
+            operation: mesh.operation.data,
+        }
+    }
+
+    /// Number of nodes N_x.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// P2 triangles: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
+    pub fn elements(&self) -> impl ExactSizeIterator<Item = [u16; 6]> + Clone + use<'a> {
+        let (elements, _) = self.elements.as_chunks::<12>();
+        elements
+            .iter()
+            .map(|bytes| core::array::from_fn(|i| u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])))
+    }
+
+    /// Full indices of the sector's nodes.
+    pub fn sector_nodes(&self) -> Indices<'a> {
+        self.sector_nodes
+    }
+
+    /// Sector node and operation of a full node, if there is such a node.
+    pub fn origin(&self, node: usize) -> Option<(usize, u8)> {
+        Some((self.representative.get(node)?, *self.operation.get(node)?))
+    }
+
+    /// Reference position of a sector node on the unit sphere.
+    pub fn sector_reference(&self, sector_node: usize) -> [f32; 3] {
+        core::array::from_fn(|axis| self.sector_reference.get(sector_node, axis))
+    }
+
+    /// Reference position of a full node on the unit sphere, if there is such a node.
+    pub fn reference(&self, node: usize) -> Option<[f32; 3]> {
+        let (sector_node, operation) = self.origin(node)?;
+        Some(apply(operation, self.sector_reference(sector_node)))
+    }
+}
