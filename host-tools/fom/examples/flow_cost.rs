@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut out = vec![[0.0; 3]; symmetry.sector.len()];
     let mut best = f64::MAX;
-    for _ in 0..20 {
+    for _ in 0..300 {
         let start = Instant::now();
         duct.velocity(&membrane, &symmetry.sector, &mut out)?;
         best = best.min(start.elapsed().as_secs_f64());

@@ -43,7 +43,7 @@ impl Default for DuctSettings {
             growing_panels: 3,
             transverse_panels: 3,
             order: 4,
-            wall_reach: 4.0,
+            wall_reach: 2.5,
             membrane: MembraneQuadrature::default(),
             symmetric: true,
         }
@@ -293,45 +293,191 @@ impl Flow for Duct {
 
 #[cfg(test)]
 mod tests {
+    use super::super::quadrature::gauss_legendre;
     use super::super::test_support::{Loaded, difference};
     use super::*;
 
-    fn velocity(settings: &DuctSettings, loaded: &Loaded) -> (Vec<[f64; 3]>, f64) {
+    fn velocity(duct: &Duct, loaded: &Loaded) -> (Vec<[f64; 3]>, f64) {
         let mut out = vec![[0.0; 3]; loaded.nodes.len()];
-        let drop = Duct::new(settings)
-            .unwrap()
-            .velocity(&loaded.membrane(), &loaded.all(), &mut out)
-            .unwrap();
+        let drop = duct.velocity(&loaded.membrane(), &loaded.all(), &mut out).unwrap();
         (out, drop)
     }
 
+    fn duct(settings: DuctSettings) -> Duct {
+        Duct::new(&settings).unwrap()
+    }
+
     #[test]
-    fn net_disturbance_flux_vanishes_and_walls_hold() {
-        let duct = Duct::new(&DuctSettings::default()).unwrap();
-        let capsule = Loaded::capsule(6);
-        let (x, w) = super::super::quadrature::gauss_legendre(12);
-        for section in [-3.0, -2.0, -1.5, 1.5, 2.0, 3.0] {
-            let mut points = Vec::new();
-            let mut weights = Vec::new();
-            for (y, wy) in x.iter().zip(&w) {
-                for (z, wz) in x.iter().zip(&w) {
-                    points.push([section, *y, *z]);
-                    weights.push(wy * wz);
+    fn net_disturbance_flux_vanishes_in_every_section() {
+        let duct = duct(DuctSettings::default());
+        let (x, w) = gauss_legendre(12);
+        let mut last = f64::MAX;
+        for n in [4, 8] {
+            let capsule = Loaded::capsule(n);
+            for section in [-3.0, -1.5, 1.5, 3.0] {
+                let points: Vec<_> = x
+                    .iter()
+                    .flat_map(|&y| x.iter().map(move |&z| [section, y, z]))
+                    .collect();
+                let weights: Vec<_> = w.iter().flat_map(|a| w.iter().map(move |b| a * b)).collect();
+                let mut out = vec![[0.0; 3]; points.len()];
+                let drop = duct.velocity_at(&capsule.membrane(), &points, &mut out).unwrap();
+                let flux: f64 = out.iter().zip(&weights).map(|(v, w)| v[0] * w).sum::<f64>() - 4.0;
+                // What is left comes from v_inf being interpolated from the nodes in the pressure drop.
+                println!("mesh {n}, section {section}: flux {flux:.2e}, pressure drop {drop}");
+                assert!(flux.abs() < [1e-3, 3e-5][n / 8] && flux.abs() < last);
+                if section == 3.0 {
+                    last = flux.abs();
                 }
             }
-            let mut out = vec![[0.0; 3]; points.len()];
-            let drop = duct.velocity_at(&capsule.membrane(), &points, &mut out).unwrap();
-            let flux: f64 = out.iter().zip(&weights).map(|(v, w)| v[0] * w).sum::<f64>() - 4.0;
-            println!("section {section}: flux {flux:.2e}, pressure drop {drop}");
-            assert!(flux.abs() < 1e-5 * drop.abs(), "{flux}");
         }
-        // Close to the wall between collocation nodes, the velocity is small beside the membrane's (of order 1).
-        let points: Vec<_> = (0..40)
-            .map(|i| [-1.5 + 0.083 * f64::from(i), 0.9989, 0.017 * f64::from(i)])
+    }
+
+    #[test]
+    fn the_wall_holds_between_its_nodes() {
+        let duct = duct(DuctSettings::default());
+        let capsule = Loaded::capsule(6);
+        let membrane = capsule.membrane();
+        let disturbance = duct.disturbance(&membrane);
+        let points: Vec<_> = (0..60)
+            .map(|i| [-3.0 + 0.0937 * f64::from(i), 1.0, 0.9 * (1.7 * f64::from(i)).sin()])
             .collect();
         let mut out = vec![[0.0; 3]; points.len()];
-        duct.velocity_at(&capsule.membrane(), &points, &mut out).unwrap();
+        duct.evaluate(&disturbance, &[], &points, &mut out);
         let largest = out.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
-        println!("largest velocity near the wall {largest:.2e}");
+        println!("largest velocity on the wall {largest:.2e}");
+        assert!(largest < 1e-3);
+    }
+
+    #[test]
+    fn length_of_the_duct_does_not_matter() {
+        let capsule = Loaded::capsule(4);
+        let (short, drop) = velocity(&duct(DuctSettings::default()), &capsule);
+        let longer = DuctSettings {
+            half_length: 6.0,
+            growing_panels: 4,
+            ..DuctSettings::default()
+        };
+        let (long, same_drop) = velocity(&duct(longer), &capsule);
+        println!("length: {:.2e}", difference(&short, &long));
+        assert_eq!(drop, same_drop);
+        assert!(difference(&short, &long) < 1e-4);
+    }
+
+    #[test]
+    fn reduced_wall_equals_unreduced_wall() {
+        let capsule = Loaded::capsule(3);
+        let settings = DuctSettings::coarse();
+        let (reduced, _) = velocity(&duct(settings.clone()), &capsule);
+        let unreduced = DuctSettings {
+            symmetric: false,
+            ..settings
+        };
+        let (full, _) = velocity(&duct(unreduced), &capsule);
+        println!("reduced - unreduced: {:.2e}", difference(&reduced, &full));
+        assert!(difference(&reduced, &full) < 1e-9);
+    }
+
+    #[test]
+    fn finer_quadrature_changes_nothing() {
+        let capsule = Loaded::capsule(6);
+        let (production, _) = velocity(&duct(DuctSettings::default()), &capsule);
+        let fine = DuctSettings {
+            wall_reach: 5.0,
+            membrane: MembraneQuadrature {
+                far: 5.0,
+                near: 3.0,
+                duffy: [8, 20],
+            },
+            ..DuctSettings::default()
+        };
+        let (reference, _) = velocity(&duct(fine), &capsule);
+        println!("quadrature: {:.2e}", difference(&production, &reference));
+        assert!(difference(&production, &reference) < 2e-5);
+    }
+
+    /// Solves `operator(x) = b` by GMRES without restarts; returns the solution after `steps` steps.
+    fn gmres(operator: impl Fn(&[f64]) -> Vec<f64>, b: &[f64], steps: usize) -> Vec<f64> {
+        use faer::Mat;
+        use faer::linalg::solvers::SolveLstsq;
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let size = dot(b, b).sqrt();
+        let mut basis = vec![b.iter().map(|c| c / size).collect::<Vec<_>>()];
+        let mut hessenberg = Mat::<f64>::zeros(steps + 1, steps);
+        for k in 0..steps {
+            let mut next = operator(&basis[k]);
+            for (j, q) in basis.iter().enumerate() {
+                let projection = dot(&next, q);
+                hessenberg[(j, k)] = projection;
+                next.iter_mut().zip(q).for_each(|(n, q)| *n -= projection * q);
+            }
+            let length = dot(&next, &next).sqrt();
+            hessenberg[(k + 1, k)] = length;
+            basis.push(next.into_iter().map(|n| n / length).collect());
+        }
+        let right = Mat::from_fn(steps + 1, 1, |i, _| if i == 0 { size } else { 0.0 });
+        let y = hessenberg.qr().solve_lstsq(right);
+        (0..b.len())
+            .map(|i| (0..steps).map(|k| y[(k, 0)] * basis[k][i]).sum())
+            .collect()
+    }
+
+    #[test]
+    fn a_small_rigid_sphere_on_the_axis_obeys_faxens_law() {
+        let duct = duct(DuctSettings::default());
+        for (radius, expected) in [(0.1, 2.0844), (0.2, 2.0488)] {
+            let sphere = |q: &[f64]| {
+                let mut loaded = Loaded::new(3, |p| p.map(|c| radius * c), |_| [0.0; 3]);
+                loaded.set_load(q.as_chunks().0.to_vec());
+                loaded
+            };
+            let rest = sphere(&vec![0.0; 3 * 146]);
+            let undisturbed: Vec<f64> = velocity(&duct, &rest).0.into_flattened();
+            let operator = |q: &[f64]| -> Vec<f64> {
+                let moving = velocity(&duct, &sphere(q)).0.into_flattened();
+                moving.iter().zip(&undisturbed).map(|(v, u)| v - u).collect()
+            };
+            // The loads that stop the fluid, and that move it with velocity 1, at the sphere; U makes the force zero.
+            let force = |velocity: &[f64]| -> f64 {
+                let q = gmres(operator, velocity, 12);
+                sphere(&q).force.iter().map(|r| r[0]).sum()
+            };
+            let one: Vec<f64> = (0..undisturbed.len())
+                .map(|i| if i % 3 == 0 { 1.0 } else { 0.0 })
+                .collect();
+            let velocity = force(&undisturbed) / force(&one);
+            println!("sphere of radius {radius}: U = {velocity:.5}");
+            assert!((velocity - expected).abs() < 1e-3, "{velocity}");
+        }
+    }
+
+    #[test]
+    fn refuses_bad_settings_and_positions_by_name() {
+        let bad = DuctSettings {
+            half_length: f64::NAN,
+            ..DuctSettings::coarse()
+        };
+        assert!(matches!(
+            Duct::new(&bad),
+            Err(FlowError::Setting {
+                name: "half_length",
+                ..
+            })
+        ));
+        let bad = DuctSettings {
+            order: 1,
+            ..DuctSettings::coarse()
+        };
+        assert!(matches!(Duct::new(&bad), Err(FlowError::Setting { name: "order", .. })));
+
+        let duct = duct(DuctSettings::coarse());
+        let moved = |shift: [f64; 3]| {
+            let capsule = Loaded::new(2, |p| [0, 1, 2].map(|d| 0.5 * p[d] + shift[d]), |p| p);
+            duct.velocity(&capsule.membrane(), &[0], &mut [[0.0; 3]])
+        };
+        assert!(moved([0.0; 3]).is_ok());
+        assert!(matches!(moved([0.0, 0.7, 0.0]), Err(FlowError::OutsideDuct { overlap, .. }) if overlap > 0.0));
+        assert!(matches!(moved([0.0, 0.0, 0.4995]), Err(FlowError::ThinFilm { gap, .. }) if gap < 6e-4));
+        assert!(matches!(moved([3.0, 0.0, 0.0]), Err(FlowError::NearDuctEnd { x, .. }) if x > 3.0));
     }
 }

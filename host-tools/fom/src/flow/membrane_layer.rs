@@ -28,9 +28,9 @@ pub struct MembraneQuadrature {
 impl Default for MembraneQuadrature {
     fn default() -> Self {
         Self {
-            far: 4.0,
-            near: 2.0,
-            duffy: [5, 10],
+            far: 2.5,
+            near: 1.5,
+            duffy: [4, 10],
         }
     }
 }

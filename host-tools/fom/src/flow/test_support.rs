@@ -19,45 +19,19 @@ impl Loaded {
         let mesh = Mesh::octahedral(n).unwrap();
         let nodes: Vec<_> = mesh.nodes.iter().map(|&p| shape(p)).collect();
         let load: Vec<_> = mesh.nodes.iter().map(|&p| load(p)).collect();
-        let mut force = vec![[0.0; 3]; nodes.len()];
-        let rule = TriangleRule::sixteen();
-        for element in &mesh.elements {
-            for (&[s, t], weight) in rule.points.iter().zip(&rule.weights) {
-                let r = 1.0 - s - t;
-                let phi = [
-                    r * (2.0 * r - 1.0),
-                    s * (2.0 * s - 1.0),
-                    t * (2.0 * t - 1.0),
-                    4.0 * r * s,
-                    4.0 * s * t,
-                    4.0 * t * r,
-                ];
-                let ds = [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t];
-                let dt = [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)];
-                let sum = |factors: &[f64; 6], field: &[[f64; 3]]| -> [f64; 3] {
-                    [0, 1, 2].map(|d| (0..6).map(|k| factors[k] * field[element[k] as usize][d]).sum())
-                };
-                let (a, b) = (sum(&ds, &nodes), sum(&dt, &nodes));
-                let normal = [
-                    a[1] * b[2] - a[2] * b[1],
-                    a[2] * b[0] - a[0] * b[2],
-                    a[0] * b[1] - a[1] * b[0],
-                ];
-                let area = normal.iter().map(|c| c * c).sum::<f64>().sqrt() * weight;
-                let q = sum(&phi, &load);
-                for k in 0..6 {
-                    for d in 0..3 {
-                        force[element[k] as usize][d] += area * phi[k] * q[d];
-                    }
-                }
-            }
-        }
+        let force = force(&mesh, &nodes, &load);
         Self {
             mesh,
             nodes,
             load,
             force,
         }
+    }
+
+    /// Another load, given at the nodes.
+    pub fn set_load(&mut self, load: Vec<[f64; 3]>) {
+        self.force = force(&self.mesh, &self.nodes, &load);
+        self.load = load;
     }
 
     /// A capsule in the duct with a film of 0.1 l, a dented rear, and a load of the square's symmetry that has all
@@ -91,6 +65,44 @@ impl Loaded {
     pub fn all(&self) -> Vec<u32> {
         (0..self.nodes.len() as u32).collect()
     }
+}
+
+/// The load's integral against each shape function.
+fn force(mesh: &Mesh, nodes: &[[f64; 3]], load: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut force = vec![[0.0; 3]; nodes.len()];
+    let rule = TriangleRule::sixteen();
+    for element in &mesh.elements {
+        for (&[s, t], weight) in rule.points.iter().zip(&rule.weights) {
+            let r = 1.0 - s - t;
+            let phi = [
+                r * (2.0 * r - 1.0),
+                s * (2.0 * s - 1.0),
+                t * (2.0 * t - 1.0),
+                4.0 * r * s,
+                4.0 * s * t,
+                4.0 * t * r,
+            ];
+            let ds = [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t];
+            let dt = [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)];
+            let sum = |factors: &[f64; 6], field: &[[f64; 3]]| -> [f64; 3] {
+                [0, 1, 2].map(|d| (0..6).map(|k| factors[k] * field[element[k] as usize][d]).sum())
+            };
+            let (a, b) = (sum(&ds, nodes), sum(&dt, nodes));
+            let normal = [
+                a[1] * b[2] - a[2] * b[1],
+                a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0],
+            ];
+            let area = normal.iter().map(|c| c * c).sum::<f64>().sqrt() * weight;
+            let q = sum(&phi, load);
+            for k in 0..6 {
+                for d in 0..3 {
+                    force[element[k] as usize][d] += area * phi[k] * q[d];
+                }
+            }
+        }
+    }
+    force
 }
 
 /// Largest component of a difference.
