@@ -8,19 +8,36 @@ pub mod flow;
 pub mod initial;
 pub mod integrator;
 pub mod mass_matrix;
+pub mod measures;
 pub mod membrane;
 pub mod mesh;
+mod parameters;
 pub mod shape_functions;
+pub mod shear;
+mod simulation;
 pub mod surface;
 pub mod symmetry;
+pub mod system;
 
 pub use mesh::Mesh;
+pub use parameters::{Configuration, Integrator, Settings, SteadyCriteria};
+pub use simulation::{History, Outcome, Progress, Solver, Status};
 pub use symmetry::Symmetry;
+
+use flow::FlowError;
 
 /// What can go wrong in the full-order model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FomError {
+    /// A parameter or setting is not a positive number.
+    #[error("{name} is {value}: it must be a positive, finite number")]
+    NotPositive {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// The mesh frequency is out of range.
     #[error(
         "mesh frequency {frequency} is out of range: it must be {} to {}",
@@ -33,13 +50,45 @@ pub enum FomError {
     },
     /// The mesh lacks the symmetry of the square.
     #[error(
-        "node {node} at {point:?} has no mirror image in the sector 0 <= z <= y: the mesh lacks the symmetry of the square"
+        "node {node} at {point:?} has no image in the sector 0 <= z <= y: the mesh lacks the symmetry of the square"
     )]
     Asymmetric {
         /// Index of the node.
         node: usize,
         /// Its reference position.
         point: [f64; 3],
+    },
+    /// The duct cannot be set up.
+    #[error("the duct cannot be set up: {0}")]
+    Duct(#[source] FlowError),
+    /// The initial shape is refused.
+    #[error("a capsule of confinement a/l = {confinement} cannot start: {source}")]
+    Start {
+        /// The confinement.
+        confinement: f64,
+        /// Why.
+        source: EvaluationError,
+    },
+    /// A fixed step is beyond the integrator's stability.
+    #[error(
+        "a fixed step of {step:e} l/V is unstable (found at t = {time:.4}): the limit is about {limit:.1e} l/V; take a \
+         smaller step or the stabilised integrator"
+    )]
+    UnstableStep {
+        /// The step.
+        step: f64,
+        /// An estimate of the greatest stable step.
+        limit: f64,
+        /// When it was found.
+        time: f64,
+    },
+    /// A flow without walls failed.
+    #[error("the run ended at t = {time:.4}: {reason}")]
+    Shear {
+        /// When.
+        time: f64,
+        /// Why.
+        reason: String,
     },
 }
 
@@ -55,12 +104,25 @@ pub enum EvaluationError {
         /// Deformed over undeformed area.
         area_ratio: f64,
     },
+    /// The surface encloses no volume.
+    #[error("the surface is inverted: it encloses a volume of {volume}")]
+    Inverted {
+        /// The signed volume.
+        volume: f64,
+    },
     /// The mass matrix could not be inverted.
-    #[error(
-        "the mass matrix of the surface was not inverted in {iterations} iterations: the elements are too distorted"
-    )]
+    #[error("the mass matrix was not inverted in {iterations} iterations: the elements are too distorted")]
     MassMatrix {
         /// The limit on the iterations.
         iterations: usize,
     },
+    /// The membrane moves impossibly fast.
+    #[error("a node moves at {speed:e} V: the surface is unstable")]
+    Speed {
+        /// The greatest velocity component.
+        speed: f64,
+    },
+    /// The flow refuses the surface.
+    #[error(transparent)]
+    Flow(#[from] FlowError),
 }

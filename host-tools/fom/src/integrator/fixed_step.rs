@@ -1,6 +1,6 @@
 //! The paper's fixed-step schemes.
 
-use super::{Integrator, Rate, SpectralRadius, State, StepError};
+use super::{Rate, SpectralRadius, State, StepError, Stepper};
 
 /// A fixed-step scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,7 +84,7 @@ impl FixedStep {
     }
 }
 
-impl<E> Integrator<E> for FixedStep {
+impl<E> Stepper<E> for FixedStep {
     fn step(&mut self, rate: &mut Rate<E>, state: &mut State, until: f64) -> Result<(), StepError<E>> {
         if self.steps.is_multiple_of(CHECK_INTERVAL) {
             self.check_stability(rate, state)?;

@@ -43,7 +43,7 @@ impl State {
 }
 
 /// One scheme with its work space.
-pub trait Integrator<E> {
+pub trait Stepper<E> {
     /// Advances `state` by one step that does not pass `until`.
     ///
     /// On success the last evaluation of `rate` was that of the new state; on failure `state` is unchanged.
@@ -105,7 +105,7 @@ pub(crate) mod test_problems {
     }
 
     /// The error at t = 2 of a scheme on the smooth problem.
-    pub fn smooth_error(integrator: &mut dyn Integrator<Infallible>) -> f64 {
+    pub fn smooth_error(integrator: &mut dyn Stepper<Infallible>) -> f64 {
         let mut state = State::new(0.0, smooth_exact(0.0).to_vec(), &mut smooth).unwrap();
         while state.time < 2.0 {
             integrator.step(&mut smooth, &mut state, 2.0).unwrap();
@@ -115,7 +115,7 @@ pub(crate) mod test_problems {
     }
 
     /// The observed orders between the steps 0.1, 0.05, 0.025.
-    pub fn orders<I: Integrator<Infallible>>(scheme: impl Fn(f64) -> I) -> [f64; 2] {
+    pub fn orders<S: Stepper<Infallible>>(scheme: impl Fn(f64) -> S) -> [f64; 2] {
         let errors = [0.1, 0.05, 0.025].map(|step| smooth_error(&mut scheme(step)));
         [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()]
     }

@@ -4,7 +4,7 @@
 //! A step of `s` stages is stable for `h rho` up to about `0.65 s^2` on a real negative spectrum of radius `rho`, so
 //! the work grows with the square root of the stiffness.
 
-use super::{Integrator, Rate, SpectralRadius, State, StepError};
+use super::{Rate, SpectralRadius, State, StepError, Stepper};
 
 /// RKC2 with its work space.
 #[derive(Debug, Clone)]
@@ -106,7 +106,7 @@ impl Rkc2 {
     }
 }
 
-impl<E> Integrator<E> for Rkc2 {
+impl<E> Stepper<E> for Rkc2 {
     fn step(&mut self, rate: &mut Rate<E>, state: &mut State, until: f64) -> Result<(), StepError<E>> {
         let mut failure = None;
         loop {

@@ -1,0 +1,184 @@
+//! What a run is asked to do: the physical configuration and the solver's settings.
+
+use crate::FomError;
+use crate::flow::DuctSettings;
+
+/// The two parameters of the problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Configuration {
+    /// Capillary number `Ca = mu V / G_s`.
+    pub capillary_number: f64,
+    /// Confinement `a/l`: radius of the stress-free capsule over half the channel's side.
+    pub confinement: f64,
+}
+
+/// A time integrator with its accuracy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Integrator {
+    /// Forward Euler (first of the paper's schemes).
+    ForwardEuler {
+        /// Fixed step (l/V).
+        step: f64,
+    },
+    /// Ralston's second-order Runge-Kutta scheme (the paper's second).
+    Ralston {
+        /// Fixed step (l/V).
+        step: f64,
+    },
+    /// Stabilised second-order Runge-Kutta-Chebyshev with error control.
+    Rkc2 {
+        /// Error of a position allowed a step (l).
+        tolerance: f64,
+    },
+}
+
+/// When a shape counts as steady.
+///
+/// A run is steady from the first snapshot after which, to its end, the residual (the greatest normal velocity in
+/// the frame of the centroid) and the rate of elongation stay below their bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteadyCriteria {
+    /// Bound on the residual (V).
+    pub normal_velocity: f64,
+    /// Bound on the rate of the axial length (V).
+    pub length_rate: f64,
+    /// A steady run goes on until its residual is below this (V), so that its end velocity is good.
+    pub final_residual: f64,
+}
+
+/// The solver's settings. The default is for production.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Mesh frequency `n`: 8 n² elements, 16 n² + 2 nodes.
+    pub mesh_frequency: usize,
+    /// Time integrator.
+    pub integrator: Integrator,
+    /// Last instant (l/V).
+    pub end_time: f64,
+    /// Time between snapshots (l/V).
+    pub snapshot_interval: f64,
+    /// Whether velocities are evaluated in an eighth of the channel and mirrored. If not, [`DuctSettings::symmetric`]
+    /// is ignored: the walls are not reduced either.
+    pub symmetric: bool,
+    /// The duct.
+    pub duct: DuctSettings,
+    /// When to stop.
+    pub steady: SteadyCriteria,
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self::Rkc2 { tolerance: 1e-5 }
+    }
+}
+
+impl Default for SteadyCriteria {
+    fn default() -> Self {
+        Self {
+            normal_velocity: 1e-3,
+            length_rate: 1e-3,
+            final_residual: 1e-4,
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            mesh_frequency: 8,
+            integrator: Integrator::default(),
+            end_time: 20.0,
+            snapshot_interval: 0.2,
+            symmetric: true,
+            duct: DuctSettings::default(),
+            steady: SteadyCriteria::default(),
+        }
+    }
+}
+
+impl Configuration {
+    /// Checks that both parameters are positive numbers.
+    ///
+    /// # Errors
+    /// [`FomError::NotPositive`] with the parameter's name.
+    pub fn validate(&self) -> Result<(), FomError> {
+        positive("capillary number Ca", self.capillary_number)?;
+        positive("confinement a/l", self.confinement)
+    }
+}
+
+impl Integrator {
+    /// Checks that step or tolerance are positive numbers.
+    ///
+    /// # Errors
+    /// [`FomError::NotPositive`].
+    pub fn validate(&self) -> Result<(), FomError> {
+        match *self {
+            Self::ForwardEuler { step } | Self::Ralston { step } => positive("time step", step),
+            Self::Rkc2 { tolerance } => positive("tolerance of the time integrator", tolerance),
+        }
+    }
+}
+
+impl Settings {
+    /// Checks all but the mesh and the duct, which check themselves.
+    ///
+    /// # Errors
+    /// [`FomError::NotPositive`] with the setting's name.
+    pub fn validate(&self) -> Result<(), FomError> {
+        self.integrator.validate()?;
+        positive("end time", self.end_time)?;
+        positive("snapshot interval", self.snapshot_interval)?;
+        positive("steady bound on the normal velocity", self.steady.normal_velocity)?;
+        positive("steady bound on the length rate", self.steady.length_rate)?;
+        positive("final residual", self.steady.final_residual)
+    }
+}
+
+/// A positive, finite number or an error with its name.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), FomError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(FomError::NotPositive { name, value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_parameters_are_named() {
+        for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+            let error = Configuration {
+                capillary_number: bad,
+                confinement: 0.9,
+            }
+            .validate()
+            .unwrap_err();
+            assert!(error.to_string().contains("capillary number"), "{error}");
+            let error = Configuration {
+                capillary_number: 0.1,
+                confinement: bad,
+            }
+            .validate()
+            .unwrap_err();
+            assert!(error.to_string().contains("confinement"), "{error}");
+            let settings = Settings {
+                integrator: Integrator::Ralston { step: bad },
+                ..Settings::default()
+            };
+            assert!(settings.validate().unwrap_err().to_string().contains("time step"));
+            assert!(
+                Settings {
+                    snapshot_interval: bad,
+                    ..Settings::default()
+                }
+                .validate()
+                .is_err()
+            );
+        }
+        assert!(Settings::default().validate().is_ok());
+    }
+}

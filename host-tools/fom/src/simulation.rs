@@ -1,0 +1,312 @@
+//! A capsule's run through the duct: time loop, snapshots, steady state.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use crate::flow::{Duct, DuctSettings};
+use crate::integrator::{FixedStep, Rkc2, Scheme, State, StepError, Stepper};
+use crate::measures::Outlines;
+use crate::system::{Capsule, Discretisation};
+use crate::{Configuration, EvaluationError, FomError, Integrator, Mesh, Settings, SteadyCriteria};
+
+/// Mesh and duct operator, built once and shared by all configurations (and threads).
+#[derive(Debug, Clone)]
+pub struct Solver {
+    settings: Settings,
+    discretisation: Discretisation,
+    outlines: Outlines,
+    duct: Duct,
+}
+
+/// Where a run stands, after each accepted step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Time reached (l/V).
+    pub t: f64,
+    /// Time asked for (l/V); a steady run ends earlier.
+    pub end_time: f64,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Velocity evaluations.
+    pub velocity_evaluations: usize,
+    /// Greatest normal velocity in the frame of the centroid (V).
+    pub residual: f64,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Status {
+    /// Steady from this snapshot on ([`SteadyCriteria`]).
+    Steady {
+        /// When (l/V).
+        time: f64,
+    },
+    /// Not steady at the end time.
+    Unsteady,
+    /// Ended early: the solver could not go on, or the observer broke off.
+    Stopped {
+        /// When (l/V).
+        time: f64,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Observed quantities, one entry a snapshot.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct History {
+    /// Time (l/V).
+    pub t: Vec<f64>,
+    /// Velocity of the volume centroid (V).
+    pub centroid_velocity: Vec<f64>,
+    /// See [`crate::measures::Dimensions`] (l).
+    pub axial_length: Vec<f64>,
+    /// Greatest |y| in the plane z = 0 (l).
+    pub half_width: Vec<f64>,
+    /// Greatest distance from the axis in the plane y = z (l).
+    pub half_diagonal: Vec<f64>,
+    /// Depth of the hollow at the rear (l).
+    pub rear_depth: Vec<f64>,
+    /// Additional pressure drop (mu V/l).
+    pub pressure_drop: Vec<f64>,
+}
+
+/// A run's result. Vectors over time have one entry a snapshot; fields have one entry a node of the full mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// The parameters.
+    pub configuration: Configuration,
+    /// How the run ended.
+    pub status: Status,
+    /// Times of the snapshots (l/V): multiples of the snapshot interval from 0, and the end time.
+    pub times: Vec<f64>,
+    /// Node positions in the laboratory frame (l).
+    pub positions: Vec<Vec<[f64; 3]>>,
+    /// Node velocities in the laboratory frame (V): exactly those that move the nodes.
+    pub velocities: Vec<Vec<[f64; 3]>>,
+    /// Axial position of the volume centroid (l).
+    pub centroid: Vec<f64>,
+    /// Additional pressure drop (mu V/l).
+    pub pressure_drop: Vec<f64>,
+    /// Observed quantities.
+    pub history: History,
+    /// Last outline in the plane z = 0 as `[x, r]` points from front to rear, in the frame of the centroid (l).
+    pub profile_midplane: Vec<[f64; 2]>,
+    /// The same in the plane y = z.
+    pub profile_diagonal: Vec<[f64; 2]>,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Velocity evaluations, with those of rejected steps and of the stability estimates.
+    pub velocity_evaluations: usize,
+    /// Duration of the run (s).
+    pub wall_time_s: f64,
+    /// Greatest relative change of the enclosed volume.
+    pub volume_drift: f64,
+}
+
+/// Longest step of the stabilised integrator (l/V).
+const GREATEST_STEP: f64 = 0.2;
+
+impl Solver {
+    /// Builds mesh and duct operator.
+    ///
+    /// # Errors
+    /// [`FomError`] with the setting that is out of range.
+    pub fn new(settings: Settings) -> Result<Self, FomError> {
+        settings.validate()?;
+        let discretisation = Discretisation::new(settings.mesh_frequency, settings.symmetric)?;
+        let duct_settings = DuctSettings {
+            symmetric: settings.symmetric,
+            ..settings.duct.clone()
+        };
+        let duct = Duct::new(&duct_settings).map_err(FomError::Duct)?;
+        Ok(Self {
+            outlines: Outlines::new(&discretisation.mesh),
+            settings,
+            discretisation,
+            duct,
+        })
+    }
+
+    /// The reference mesh (unit sphere).
+    pub fn mesh(&self) -> &Mesh {
+        &self.discretisation.mesh
+    }
+
+    /// The settings it was built with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Runs one configuration to its steady state or to the end time. `observer` is called after each step and may
+    /// break off.
+    ///
+    /// A run that cannot go on is not an error: it keeps its snapshots, with [`Status::Stopped`].
+    ///
+    /// # Errors
+    /// [`FomError::NotPositive`] for the parameters, [`FomError::Start`] if the initial shape does not fit in the
+    /// duct, [`FomError::UnstableStep`] if a fixed step is too long.
+    pub fn run(
+        &self,
+        configuration: &Configuration,
+        observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Outcome, FomError> {
+        configuration.validate()?;
+        let clock = Instant::now();
+        let &Configuration {
+            capillary_number,
+            confinement,
+        } = configuration;
+        let mut capsule = Capsule::new(&self.discretisation, &self.duct, capillary_number, confinement);
+        let mut state = State::new(0.0, capsule.initial_value(), &mut |x, rate| capsule.rate(x, rate))
+            .map_err(|source| FomError::Start { confinement, source })?;
+        let mut stepper = stepper(&self.settings.integrator);
+        let mut record = Recorder::new(self, *configuration, capsule.volume());
+        record.snapshot(&capsule, &state);
+
+        let (interval, end_time) = (self.settings.snapshot_interval, self.settings.end_time);
+        let mut stopped = None;
+        'run: for snapshot in 1.. {
+            let until = (f64::from(snapshot) * interval).min(end_time);
+            while state.time < until {
+                match stepper.step(&mut |x, rate| capsule.rate(x, rate), &mut state, until) {
+                    Ok(()) => {}
+                    Err(StepError::Unstable { step, limit, time }) => {
+                        return Err(FomError::UnstableStep { step, limit, time });
+                    }
+                    Err(error) => {
+                        stopped = Some(error.to_string());
+                        break 'run;
+                    }
+                }
+                capsule.recentre(&mut state.value);
+                record.outcome.steps += 1;
+                let progress = Progress {
+                    t: state.time,
+                    end_time,
+                    steps: record.outcome.steps,
+                    velocity_evaluations: capsule.evaluations(),
+                    residual: capsule.residual(&state.rate),
+                };
+                if observer(&progress).is_break() {
+                    stopped = Some("broken off by the caller".to_owned());
+                    break 'run;
+                }
+            }
+            record.snapshot(&capsule, &state);
+            if record.is_finished() || until >= end_time * (1.0 - 1e-12) {
+                break;
+            }
+        }
+        let mut outcome = record.finish();
+        if let Some(reason) = stopped {
+            outcome.status = Status::Stopped {
+                time: state.time,
+                reason,
+            };
+        }
+        outcome.velocity_evaluations = capsule.evaluations();
+        outcome.wall_time_s = clock.elapsed().as_secs_f64();
+        Ok(outcome)
+    }
+}
+
+/// The integrator with its work space.
+pub(crate) fn stepper(integrator: &Integrator) -> Box<dyn Stepper<EvaluationError>> {
+    match *integrator {
+        Integrator::ForwardEuler { step } => Box::new(FixedStep::new(Scheme::ForwardEuler, step)),
+        Integrator::Ralston { step } => Box::new(FixedStep::new(Scheme::Ralston, step)),
+        Integrator::Rkc2 { tolerance } => Box::new(Rkc2::new(tolerance, GREATEST_STEP)),
+    }
+}
+
+/// Collects snapshots and watches for the steady state.
+struct Recorder<'a> {
+    outlines: &'a Outlines,
+    criteria: SteadyCriteria,
+    initial_volume: f64,
+    steady_since: Option<f64>,
+    residual: f64,
+    outcome: Outcome,
+}
+
+impl<'a> Recorder<'a> {
+    fn new(solver: &'a Solver, configuration: Configuration, initial_volume: f64) -> Self {
+        Self {
+            outlines: &solver.outlines,
+            criteria: solver.settings.steady,
+            initial_volume,
+            steady_since: None,
+            residual: f64::INFINITY,
+            outcome: Outcome {
+                configuration,
+                status: Status::Unsteady,
+                times: Vec::new(),
+                positions: Vec::new(),
+                velocities: Vec::new(),
+                centroid: Vec::new(),
+                pressure_drop: Vec::new(),
+                history: History::default(),
+                profile_midplane: Vec::new(),
+                profile_diagonal: Vec::new(),
+                steps: 0,
+                velocity_evaluations: 0,
+                wall_time_s: 0.0,
+                volume_drift: 0.0,
+            },
+        }
+    }
+
+    fn snapshot(&mut self, capsule: &Capsule, state: &State) {
+        let fields = capsule.fields(&state.value, &state.rate);
+        self.residual = capsule.residual(&state.rate);
+        let length_rate = self.outlines.axial_length_rate(&fields.positions, &fields.velocities);
+        let steady = self.residual < self.criteria.normal_velocity && length_rate.abs() < self.criteria.length_rate;
+        self.steady_since = if steady {
+            self.steady_since.or(Some(state.time))
+        } else {
+            None
+        };
+
+        let dimensions = self.outlines.dimensions(&fields.positions);
+        let Outcome {
+            history,
+            times,
+            positions,
+            velocities,
+            centroid,
+            pressure_drop,
+            volume_drift,
+            ..
+        } = &mut self.outcome;
+        history.t.push(state.time);
+        history.centroid_velocity.push(fields.centroid_velocity);
+        history.axial_length.push(dimensions.axial_length);
+        history.half_width.push(dimensions.half_width);
+        history.half_diagonal.push(dimensions.half_diagonal);
+        history.rear_depth.push(dimensions.rear_depth);
+        history.pressure_drop.push(capsule.pressure_drop());
+        times.push(state.time);
+        positions.push(fields.positions);
+        velocities.push(fields.velocities);
+        centroid.push(fields.centroid);
+        pressure_drop.push(capsule.pressure_drop());
+        *volume_drift = volume_drift.max((capsule.volume() / self.initial_volume - 1.0).abs());
+    }
+
+    fn is_finished(&self) -> bool {
+        self.steady_since.is_some() && self.residual < self.criteria.final_residual
+    }
+
+    fn finish(mut self) -> Outcome {
+        if let Some(time) = self.steady_since {
+            self.outcome.status = Status::Steady { time };
+        }
+        if let (Some(positions), Some(&centroid)) = (self.outcome.positions.last(), self.outcome.centroid.last()) {
+            let centred = |profile: Vec<[f64; 2]>| profile.into_iter().map(|[x, r]| [x - centroid, r]).collect();
+            self.outcome.profile_midplane = centred(self.outlines.profile_midplane(positions));
+            self.outcome.profile_diagonal = centred(self.outlines.profile_diagonal(positions));
+        }
+        self.outcome
+    }
+}
