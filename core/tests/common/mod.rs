@@ -1,0 +1,471 @@
+//! Small models of families with exact answers.
+//!
+//! The shape lies in the span of a few modes that have the square's symmetry. Each coefficient follows
+//! alpha(t) = target + (start - target) exp(-rate t), with a target that is a combination of 1, a/l, (a/l)^2 and Ca:
+//! both interpolations reproduce those, and d alpha/dt = rate (target - alpha) is affine in alpha, as a manifold is.
+#![allow(dead_code)]
+
+use capsule_core::model::encode;
+use capsule_core::model::wire::*;
+use std::collections::HashMap;
+
+/// Number of modes of the shape; the state has one coefficient more, the translation.
+pub const SHAPE_MODES: usize = 4;
+/// Number of parameter functions: 1, a/l, (a/l)^2, Ca.
+pub const FUNCTIONS: usize = 4;
+/// Relaxation rates of the shape's coefficients.
+pub const RATES: [f64; SHAPE_MODES] = [1.0, 0.6, 1.7, 2.9];
+
+/// Mesh of the unit sphere with its square symmetry.
+pub struct Sphere {
+    pub nodes: Vec<[f64; 3]>,
+    pub elements: Vec<[u16; 6]>,
+    pub sector_nodes: Vec<u16>,
+    pub representative: Vec<u16>,
+    pub operation: Vec<u8>,
+    pub midplane: Vec<u16>,
+    pub diagonal: Vec<u16>,
+}
+
+impl Sphere {
+    /// Octahedral P2 mesh of a frequency, by its integer lattice |i| + |j| + |k| = 2 frequency.
+    pub fn new(frequency: i32) -> Self {
+        let m = 2 * frequency;
+        let mut lattice = Vec::new();
+        for i in (-m..=m).rev() {
+            for j in -m..=m {
+                for k in -m..=m {
+                    if i.abs() + j.abs() + k.abs() == m {
+                        lattice.push([i, j, k]);
+                    }
+                }
+            }
+        }
+        let number: HashMap<[i32; 3], u16> = lattice.iter().enumerate().map(|(n, &p)| (p, n as u16)).collect();
+        let nodes = lattice.iter().map(|p| {
+            let s = p.map(|i| (std::f64::consts::FRAC_PI_2 * f64::from(i) / f64::from(m)).sin());
+            let r = s.iter().map(|s| s * s).sum::<f64>().sqrt();
+            s.map(|s| s / r)
+        });
+
+        let mut elements = Vec::new();
+        let mut element = |corners: [[i32; 3]; 3]| {
+            let middle = |a: usize, b: usize| std::array::from_fn(|i| (corners[a][i] + corners[b][i]) / 2);
+            let points = [
+                corners[0],
+                corners[1],
+                corners[2],
+                middle(0, 1),
+                middle(1, 2),
+                middle(2, 0),
+            ];
+            elements.push(points.map(|point| number[&point]));
+        };
+        for signs in 0..8 {
+            let sign = [0, 1, 2].map(|bit| if signs >> bit & 1 == 0 { 2 } else { -2 });
+            let outward = sign.iter().product::<i32>() > 0;
+            let corner = |i: i32, j: i32| [sign[0] * i, sign[1] * j, sign[2] * (frequency - i - j)];
+            for i in 0..frequency {
+                for j in 0..frequency - i {
+                    let mut triangles = vec![[corner(i, j), corner(i + 1, j), corner(i, j + 1)]];
+                    if i + j + 2 <= frequency {
+                        triangles.push([corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)]);
+                    }
+                    for [a, b, c] in triangles {
+                        element(if outward { [a, b, c] } else { [a, c, b] });
+                    }
+                }
+            }
+        }
+
+        let sector: Vec<u16> = (0..lattice.len() as u16)
+            .filter(|&n| {
+                let [_, j, k] = lattice[usize::from(n)];
+                0 <= k && k <= j
+            })
+            .collect();
+        let place: HashMap<u16, u16> = sector.iter().enumerate().map(|(place, &n)| (n, place as u16)).collect();
+        let origin = |&[i, j, k]: &[i32; 3]| {
+            let (large, small) = (j.abs().max(k.abs()), j.abs().min(k.abs()));
+            let swap = u8::from(k.abs() > j.abs()) << 2;
+            (
+                place[&number[&[i, large, small]]],
+                swap | u8::from(j < 0) | u8::from(k < 0) << 1,
+            )
+        };
+        let outline = |on: fn(i32, i32) -> bool| {
+            let mut nodes: Vec<u16> = (0..lattice.len() as u16)
+                .filter(|&n| {
+                    let [_, j, k] = lattice[usize::from(n)];
+                    j >= 0 && on(j, k)
+                })
+                .collect();
+            nodes.sort_by_key(|&n| -lattice[usize::from(n)][0]);
+            nodes
+        };
+        Self {
+            nodes: nodes.collect(),
+            elements,
+            representative: lattice.iter().map(|p| origin(p).0).collect(),
+            operation: lattice.iter().map(|p| origin(p).1).collect(),
+            sector_nodes: sector,
+            midplane: outline(|_, k| k == 0),
+            diagonal: outline(|j, k| j == k),
+        }
+    }
+}
+
+/// A family of motions on a mesh, sampled on a grid of parameters.
+pub struct Family {
+    pub sphere: Sphere,
+    /// Shape modes at all nodes, orthonormal.
+    pub modes: Vec<Vec<[f64; 3]>>,
+    /// Velocity modes in terms of the shape modes: an orthogonal matrix, row by row.
+    pub mixing: [[f64; SHAPE_MODES]; SHAPE_MODES],
+    pub times: Vec<f32>,
+    pub samples: Vec<[f64; 2]>,
+}
+
+/// Samples of a design like the paper's, coarser.
+pub fn design(confinements: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
+    let mut samples = Vec::new();
+    for row in 0..10 {
+        let confinement = 0.75 + 0.05 * f64::from(row);
+        for column in 0..=14 {
+            let capillary_number = if column == 0 { 0.005 } else { 0.01 * f64::from(column) };
+            if confinements(confinement) {
+                samples.push([capillary_number, confinement]);
+            }
+        }
+    }
+    samples
+}
+
+impl Family {
+    pub fn new(frequency: i32) -> Self {
+        let sphere = Sphere::new(frequency);
+        let raw: [fn([f64; 3]) -> [f64; 3]; SHAPE_MODES] = [
+            |[x, _, _]| [x, 0.0, 0.0],
+            |[_, y, z]| [0.0, y, z],
+            |[x, y, z]| [y * y + z * z, x * y, x * z],
+            |[x, y, z]| [x * y * y * z * z, y * z * z, z * y * y],
+        ];
+        let mut modes: Vec<Vec<[f64; 3]>> = Vec::new();
+        for field in raw {
+            let mut mode: Vec<[f64; 3]> = sphere.nodes.iter().map(|&node| field(node)).collect();
+            for earlier in &modes {
+                let product = product(&mode, earlier);
+                for (a, b) in mode.iter_mut().zip(earlier) {
+                    (0..3).for_each(|axis| a[axis] -= product * b[axis]);
+                }
+            }
+            let norm = product(&mode, &mode).sqrt();
+            mode.iter_mut().for_each(|vector| *vector = vector.map(|x| x / norm));
+            modes.push(mode);
+        }
+        let (c, s) = (0.8, 0.6);
+        let mixing = [[c, s, 0.0, 0.0], [-s, c, 0.0, 0.0], [0.0, 0.0, s, -c], [0.0, 0.0, c, s]];
+        let times = (0..=40).map(|i| 0.1 * i as f32).collect();
+        Self {
+            sphere,
+            modes,
+            mixing,
+            times,
+            samples: design(|_| true),
+        }
+    }
+
+    pub fn nodes(&self) -> usize {
+        self.sphere.nodes.len()
+    }
+
+    /// Coefficients of coefficient `k` (0: the translation) in the parameter functions, at time t, and of its rate.
+    fn coefficient(&self, k: usize, t: f64) -> [[f64; FUNCTIONS]; 2] {
+        let root = (self.nodes() as f64).sqrt();
+        if k == 0 {
+            // X_c = U t - (U/5) (1 - exp(-2 t)) with U = 1.1 + 0.4 a/l + Ca.
+            let (x, u) = (t - 0.2 * (1.0 - (-2.0 * t).exp()), 1.0 - 0.4 * (-2.0 * t).exp());
+            return [x, u].map(|factor| [1.1, 0.4, 0.0, 1.0].map(|c| root * factor * c));
+        }
+        let target = [
+            [0.3, 0.2, -0.1, 1.5],
+            [-0.2, 0.0, 0.1, -1.0],
+            [0.1, 0.0, 0.3, 0.5],
+            [0.0, 0.1, 0.0, 0.3],
+        ];
+        let start = [[0.0; 4], [0.0; 4], [0.0; 4], [0.05, 0.0, 0.02, 0.0]];
+        let rate = RATES[k - 1];
+        let decay = (-rate * t).exp();
+        let scale = root * 0.2;
+        let value = |l: usize| scale * (target[k - 1][l] + (start[k - 1][l] - target[k - 1][l]) * decay);
+        let velocity = |l: usize| scale * rate * (target[k - 1][l] - start[k - 1][l]) * decay;
+        [std::array::from_fn(value), std::array::from_fn(velocity)]
+    }
+
+    /// The state at a time and parameters: displacement coefficients and their rates, the translation first.
+    pub fn state(&self, parameters: [f64; 2], t: f64) -> [[f64; SHAPE_MODES + 1]; 2] {
+        let functions = functions(parameters);
+        let at = |which: usize, k: usize| -> f64 {
+            self.coefficient(k, t)[which]
+                .iter()
+                .zip(functions)
+                .map(|(c, f)| c * f)
+                .sum()
+        };
+        [0, 1].map(|which| std::array::from_fn(|k| at(which, k)))
+    }
+
+    /// Exact positions and velocities of all nodes in the laboratory frame.
+    pub fn exact(&self, parameters: [f64; 2], t: f64) -> [Vec<[f64; 3]>; 2] {
+        let [alpha, rate] = self.state(parameters, t);
+        let root = (self.nodes() as f64).sqrt();
+        let field = |coefficients: &[f64], scale: f64| -> Vec<[f64; 3]> {
+            (0..self.nodes())
+                .map(|node| {
+                    let mut vector = self.sphere.nodes[node].map(|x| scale * x);
+                    for (mode, c) in self.modes.iter().zip(&coefficients[1..]) {
+                        (0..3).for_each(|axis| vector[axis] += c * mode[node][axis]);
+                    }
+                    vector[0] += coefficients[0] / root;
+                    vector
+                })
+                .collect()
+        };
+        [field(&alpha, parameters[1]), field(&rate, 0.0)]
+    }
+
+    /// The model file.
+    pub fn file(&self) -> Vec<u8> {
+        let mut arena = Arena::default();
+        let contents = self.contents(&mut arena);
+        write(&contents)
+    }
+
+    /// The contents of the model file; `arena` keeps its arrays.
+    pub fn contents<'a>(&self, arena: &'a mut Arena) -> Contents<'a> {
+        let sphere = &self.sphere;
+        let state = SHAPE_MODES + 1;
+        let sector = sphere.sector_nodes.len();
+        let clusters = [(0.75, 0.9), (0.9, 1.2)];
+        arena.build(|a| {
+            a.u16s(sphere.elements.iter().flatten().copied());
+            a.f32s(sphere.sector_nodes.iter().flat_map(|&n| sphere.nodes[usize::from(n)]));
+            a.u16s(sphere.sector_nodes.iter().copied());
+            a.u16s(sphere.representative.iter().copied());
+            a.bytes(&sphere.operation);
+            a.u16s(sphere.midplane.iter().copied());
+            a.u16s(sphere.diagonal.iter().copied());
+            a.f32s(self.times.iter().map(|&t| f64::from(t)));
+            a.f32s([1.0, 2.0]);
+            a.f32s([0.75, 0.14, 0.9, 0.13, 1.2, 0.05]);
+            for (min, max) in clusters {
+                let samples = self.cluster_samples(min, max);
+                a.f32s(samples.iter().copied().flatten());
+                for which in 0..2 {
+                    let columns: Vec<Vec<[f64; 3]>> = if which == 0 {
+                        self.modes.clone()
+                    } else {
+                        self.velocity_modes()
+                    };
+                    a.f32s(sphere.sector_nodes.iter().flat_map(|&n| {
+                        let columns = &columns;
+                        (0..3).flat_map(move |axis| columns.iter().map(move |mode| mode[usize::from(n)][axis]))
+                    }));
+                    a.f32s(
+                        self.times
+                            .iter()
+                            .flat_map(|&t| (0..state).map(move |k| (t, k)))
+                            .flat_map(|(t, k)| self.stored(which, k, f64::from(t))),
+                    );
+                    a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
+                }
+                a.f32s(
+                    (0..state)
+                        .flat_map(|k| (0..state).map(move |l| (k, l)))
+                        .map(|(k, l)| self.cross(k, l)),
+                );
+                for _ in 0..2 {
+                    a.f32s(samples.iter().flat_map(|_| [0.001, 0.002]));
+                    a.f32s(samples.iter().map(|_| 0.01));
+                }
+            }
+        });
+        let mut next = arena.arrays();
+        let mut blob = || Blob::new(next.next().unwrap());
+        let f32 = |rows: usize, columns: usize, blob: Blob<'a>| Matrix::f32(rows as u32, columns as u32, blob.data);
+        let mesh = Mesh {
+            nodes: self.nodes() as u32,
+            elements: blob(),
+            sector_reference: f32(sector, 3, blob()),
+            sector_nodes: blob(),
+            representative: blob(),
+            operation: blob(),
+            node_sets: [("midplane", blob()), ("diagonal", blob())]
+                .into_iter()
+                .map(|(name, nodes)| NodeSet { name, nodes })
+                .collect(),
+        };
+        let (times, error_times, steady_limit) =
+            (f32(self.times.len(), 1, blob()), f32(2, 1, blob()), f32(3, 2, blob()));
+        let clusters = clusters.into_iter().map(|(min, max)| {
+            let count = self.cluster_samples(min, max).len();
+            let samples = f32(count, 2, blob());
+            let mut field = || Field {
+                modes: f32(3 * sector, SHAPE_MODES, blob()),
+                coefficients: f32(self.times.len() * state, FUNCTIONS, blob()),
+                parameter_modes: f32(count, FUNCTIONS, blob()),
+            };
+            let (displacement, velocity) = (field(), field());
+            let cross_product = f32(state, state, blob());
+            let mut errors = || Errors {
+                left_out: f32(count, 2, blob()),
+                deviation: f32(count, 1, blob()),
+                floor: 1e-5,
+            };
+            let (direct_errors, paper_errors) = (errors(), errors());
+            let (confinement_min, confinement_max) = (min, max);
+            Cluster {
+                confinement_min,
+                confinement_max,
+                samples,
+                displacement,
+                velocity,
+                cross_product,
+                direct_errors,
+                paper_errors,
+            }
+        });
+        let clusters = clusters.collect();
+        Contents {
+            metadata: Metadata {
+                title: "test family",
+                units: "l, V, l/V",
+                membrane_law: "none",
+                parameters: [
+                    Parameter {
+                        name: "capillary_number",
+                        min: 0.005,
+                        max: 0.14,
+                    },
+                    Parameter {
+                        name: "confinement",
+                        min: 0.75,
+                        max: 1.2,
+                    },
+                ],
+                database_digest: "",
+                offline_settings: "{}",
+                created_unix_s: 0,
+            },
+            mesh,
+            times,
+            error_times,
+            steady_limit,
+            default_method: Method::Direct,
+            kernel: Kernel {
+                neighbours: 24,
+                capillary_scale: 2.25,
+            },
+            paper: Paper {
+                neighbours: 12,
+                capillary_scale: 1.9,
+                radius: 1.2,
+                displacement_rank: 10,
+                velocity_rank: 10,
+                window: 2.0,
+            },
+            clusters,
+        }
+    }
+
+    fn cluster_samples(&self, min: f64, max: f64) -> Vec<[f64; 2]> {
+        let inside = |sample: &&[f64; 2]| min - 1e-9 <= sample[1] && sample[1] <= max + 1e-9;
+        self.samples.iter().filter(inside).copied().collect()
+    }
+
+    fn velocity_modes(&self) -> Vec<Vec<[f64; 3]>> {
+        let mix = |row: &[f64; SHAPE_MODES], node: usize| {
+            std::array::from_fn(|axis| (0..SHAPE_MODES).map(|k| row[k] * self.modes[k][node][axis]).sum())
+        };
+        self.mixing
+            .iter()
+            .map(|row| (0..self.nodes()).map(|node| mix(row, node)).collect())
+            .collect()
+    }
+
+    /// Entry (k, l) of Phi_u^T Phi_v, translation included.
+    fn cross(&self, k: usize, l: usize) -> f64 {
+        match (k, l) {
+            (0, 0) => 1.0,
+            (0, _) | (_, 0) => 0.0,
+            _ => self.mixing[l - 1][k - 1],
+        }
+    }
+
+    /// Row k of A(t) (`which` 0) or B(t) (1).
+    fn stored(&self, which: usize, k: usize, t: f64) -> [f64; FUNCTIONS] {
+        if which == 0 || k == 0 {
+            return self.coefficient(k, t)[which];
+        }
+        let rates: Vec<_> = (1..=SHAPE_MODES).map(|k| self.coefficient(k, t)[1]).collect();
+        std::array::from_fn(|l| (0..SHAPE_MODES).map(|j| self.mixing[k - 1][j] * rates[j][l]).sum())
+    }
+}
+
+/// 1, a/l, (a/l)^2, Ca.
+pub fn functions([capillary_number, confinement]: [f64; 2]) -> [f64; FUNCTIONS] {
+    [1.0, confinement, confinement * confinement, capillary_number]
+}
+
+/// Scalar product of two fields.
+pub fn product(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+}
+
+/// Greatest distance between two sets of points.
+pub fn distance<T: capsule_core::Real>(found: &[[T; 3]], exact: &[[f64; 3]]) -> f64 {
+    assert_eq!(found.len(), exact.len());
+    let one = |(a, b): (&[T; 3], &[f64; 3])| (0..3).map(|i| (a[i].to_f64() - b[i]).powi(2)).sum::<f64>().sqrt();
+    found.iter().zip(exact).map(one).fold(0.0, f64::max)
+}
+
+/// The model file of some contents.
+pub fn write(contents: &Contents<'_>) -> Vec<u8> {
+    let mut buffer = vec![0; 4 << 20];
+    let length = encode(contents, &mut buffer).unwrap();
+    buffer.truncate(length);
+    buffer
+}
+
+/// Keeps the arrays of a model's contents.
+#[derive(Default)]
+pub struct Arena {
+    bytes: Vec<Vec<u8>>,
+}
+
+impl Arena {
+    fn build(&mut self, fill: impl FnOnce(&mut Self)) {
+        fill(self);
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.bytes.push(bytes.to_vec());
+    }
+
+    fn u16s(&mut self, values: impl IntoIterator<Item = u16>) {
+        self.bytes.push(values.into_iter().flat_map(u16::to_le_bytes).collect());
+    }
+
+    fn f32s(&mut self, values: impl IntoIterator<Item = f64>) {
+        self.bytes.push(
+            values
+                .into_iter()
+                .flat_map(|value| (value as f32).to_le_bytes())
+                .collect(),
+        );
+    }
+
+    fn arrays(&self) -> impl Iterator<Item = &[u8]> {
+        self.bytes.iter().map(Vec::as_slice)
+    }
+}
