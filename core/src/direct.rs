@@ -1,8 +1,7 @@
 //! Direct evaluation: any instant at random from the interpolated coefficients of its time interval.
 
 use crate::Real;
-use crate::field::{Field, Times};
-use crate::model::MatrixView;
+use crate::motion::Motion;
 
 /// Displacement coefficients and their rates at the ends of one interval between stored instants.
 #[derive(Clone, Debug)]
@@ -20,33 +19,29 @@ impl<T: Real, const K: usize> Interval<T, K> {
     };
 
     /// Fetches both ends of interval `number`: alpha = A psi_u and d alpha/dt = C xi with xi = B psi_v.
-    fn fetch(&mut self, number: usize, u: &Field<'_, '_, T>, v: &Field<'_, '_, T>, cross_product: &MatrixView<'_>) {
+    fn fetch(&mut self, motion: &Motion<'_, '_, T>, number: usize) {
+        let Motion {
+            displacement, velocity, ..
+        } = motion;
         let mut xi = [T::ZERO; K];
-        let xi = &mut xi[..v.rank()];
+        let xi = &mut xi[..velocity.rank()];
         for (end, (values, rates)) in self.values.iter_mut().zip(&mut self.rates).enumerate() {
-            u.at_instant(number + end, &mut values[..u.rank()]);
-            v.at_instant(number + end, xi);
-            cross_product.multiply(0, xi, &mut rates[..u.rank()]);
+            displacement.at_instant(number + end, &mut values[..displacement.rank()]);
+            velocity.at_instant(number + end, xi);
+            motion.rate(xi, &mut rates[..displacement.rank()]);
         }
         self.number = Some(number);
     }
 
     /// out <- displacement coefficients at `t`: stored instants as they are, cubic Hermite with the true rates between.
-    pub(crate) fn displacement(
-        &mut self,
-        times: &Times<'_>,
-        u: &Field<'_, '_, T>,
-        v: &Field<'_, '_, T>,
-        cross_product: &MatrixView<'_>,
-        t: T,
-        out: &mut [T],
-    ) {
+    pub(crate) fn displacement(&mut self, motion: &Motion<'_, '_, T>, t: T, out: &mut [T]) {
+        let times = &motion.times;
         let number = times.interval(t);
         if let Some(end) = (0..2).find(|end| t == times.get(number + end)) {
-            return u.at_instant(number + end, out);
+            return motion.displacement.at_instant(number + end, out);
         }
         if self.number != Some(number) {
-            self.fetch(number, u, v, cross_product);
+            self.fetch(motion, number);
         }
         let [t0, t1] = [times.get(number), times.get(number + 1)];
         for (k, out) in out.iter_mut().enumerate() {
@@ -62,13 +57,14 @@ impl<T: Real, const K: usize> Interval<T, K> {
 
 /// Velocity coefficient `k` at `t`: cubic Hermite between stored instants with the slopes of the parabolas through each
 /// end and its neighbours, so that the velocity is smooth.
-pub(crate) fn velocity<T: Real>(times: &Times<'_>, v: &Field<'_, '_, T>, k: usize, t: T) -> T {
+pub(crate) fn velocity<T: Real>(motion: &Motion<'_, '_, T>, k: usize, t: T) -> T {
+    let Motion { times, velocity, .. } = motion;
     let number = times.interval(t);
     if let Some(end) = (0..2).find(|end| t == times.get(number + end)) {
-        return v.coefficient(number + end, k);
+        return velocity.coefficient(number + end, k);
     }
     let last = times.count() - 1;
-    let node = |i: usize| (times.get::<T>(i), v.coefficient(i, k));
+    let node = |i: usize| (times.get::<T>(i), velocity.coefficient(i, k));
     let (left, right) = (node(number), node(number + 1));
     let secant = |a: (T, T), b: (T, T)| (b.1 - a.1) / (b.0 - a.0);
     // Slope at b of the parabola through a, b, c.

@@ -1,13 +1,163 @@
-//! Reduced time stepping.
+//! Reduced time stepping (Algorithm 2 of the paper, eqs. 47 to 49).
+
+use crate::Real;
+use crate::basis::Basis;
+use crate::linalg::dot;
+use crate::manifold::Manifold;
+use crate::model::wire::Paper;
+use crate::motion::Motion;
+
+/// The local reduced model of a query and its state after a whole number of steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<T, const K: usize, const M: usize> {
+    learned: bool,
+    displacement: Basis<T, K, M>,
+    velocity: Basis<T, K, M>,
+    /// Q = W_u^T (Phi_u^T Phi_v) W_v, row by row.
     q: [[T; M]; M],
-    w: [[T; M]; K],
+    manifold: Manifold<T, M>,
+    steps: usize,
+    alpha: [T; M],
+    xi: [T; M],
 }
-impl<T: crate::Real, const K: usize, const M: usize> Dynamics<T, K, M> {
+
+impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
     pub(crate) const EMPTY: Self = Self {
+        learned: false,
+        displacement: Basis::EMPTY,
+        velocity: Basis::EMPTY,
         q: [[T::ZERO; M]; M],
-        w: [[T::ZERO; M]; K],
+        manifold: Manifold::EMPTY,
+        steps: 0,
+        alpha: [T::ZERO; M],
+        xi: [T::ZERO; M],
     };
-    pub(crate) fn forget(&mut self) {}
+
+    /// Forgets the query.
+    pub(crate) fn forget(&mut self) {
+        self.learned = false;
+    }
+
+    /// out <- displacement coefficients at `t`, by steps of `step` and a shorter last one.
+    pub(crate) fn displacement(
+        &mut self,
+        motion: &Motion<'_, '_, T>,
+        settings: &Paper,
+        step: T,
+        t: T,
+        scratch: &mut [[T; K]; K],
+        out: &mut [T],
+    ) {
+        let alpha = self.advance(motion, settings, step, t, scratch);
+        self.displacement.lift(&alpha, out);
+    }
+
+    /// out <- velocity coefficients at `t`.
+    pub(crate) fn velocity(
+        &mut self,
+        motion: &Motion<'_, '_, T>,
+        settings: &Paper,
+        step: T,
+        t: T,
+        scratch: &mut [[T; K]; K],
+        out: &mut [T],
+    ) {
+        let alpha = self.advance(motion, settings, step, t, scratch);
+        let xi = self.equilibrium(motion, settings, t, &alpha);
+        self.velocity.lift(&xi, out);
+    }
+
+    /// Steps to the last whole step before `t` and returns alpha at `t`. Starts again where `t` lies before the state.
+    fn advance(
+        &mut self,
+        motion: &Motion<'_, '_, T>,
+        settings: &Paper,
+        step: T,
+        t: T,
+        scratch: &mut [[T; K]; K],
+    ) -> [T; M] {
+        if !self.learned {
+            self.learn(motion, settings, scratch);
+        }
+        let target = (t / step).to_index();
+        if target < self.steps {
+            self.start(motion);
+        }
+        while self.steps < target {
+            self.alpha = self.euler(step);
+            self.steps += 1;
+            let alpha = self.alpha;
+            self.xi = self.equilibrium(motion, settings, T::from_index(self.steps) * step, &alpha);
+        }
+        self.euler(t - T::from_index(target) * step)
+    }
+
+    /// Local bases and Q of the query; the state at t = 0.
+    fn learn(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, scratch: &mut [[T; K]; K]) {
+        let (u, v) = (&motion.displacement, &motion.velocity);
+        let instants = motion.times.count();
+        self.displacement
+            .learn(u, instants, settings.displacement_rank.into(), scratch);
+        self.velocity.learn(v, instants, settings.velocity_rank.into(), scratch);
+        self.q = [[T::ZERO; M]; M];
+        let mut rate = [T::ZERO; K];
+        for (j, mode) in self.velocity.rows().iter().enumerate() {
+            motion.rate(&mode[..v.rank()], &mut rate[..u.rank()]);
+            for (q, row) in self.q.iter_mut().zip(self.displacement.rows()) {
+                q[j] = dot(row, &rate);
+            }
+        }
+        self.manifold.forget();
+        self.start(motion);
+        self.learned = true;
+    }
+
+    /// The state at t = 0: alpha^D(0), which holds the initial shape, and xi^D(0).
+    fn start(&mut self, motion: &Motion<'_, '_, T>) {
+        self.steps = 0;
+        (self.alpha, self.xi) = ([T::ZERO; M], [T::ZERO; M]);
+        snapshot(
+            motion,
+            &self.displacement,
+            &self.velocity,
+            0,
+            &mut self.alpha,
+            &mut self.xi,
+        );
+    }
+
+    /// alpha + step Q xi (eq. 48).
+    fn euler(&self, step: T) -> [T; M] {
+        core::array::from_fn(|k| self.alpha[k] + step * dot(&self.q[k], &self.xi))
+    }
+
+    /// xi = M(alpha, t) (eq. 49).
+    fn equilibrium(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, t: T, alpha: &[T; M]) -> [T; M] {
+        let (u, v) = (&self.displacement, &self.velocity);
+        let window = T::from_f64(settings.window);
+        self.manifold
+            .velocity(&motion.times, window, t, alpha, |instant, alpha, xi| {
+                snapshot(motion, u, v, instant, alpha, xi);
+            })
+    }
+}
+
+/// alpha^D and xi^D at a stored instant: the pseudo-snapshots in local coordinates.
+fn snapshot<T: Real, const K: usize, const M: usize>(
+    motion: &Motion<'_, '_, T>,
+    displacement: &Basis<T, K, M>,
+    velocity: &Basis<T, K, M>,
+    instant: usize,
+    alpha: &mut [T; M],
+    xi: &mut [T; M],
+) {
+    let mut global = [T::ZERO; K];
+    for (field, basis, out) in [
+        (&motion.displacement, displacement, alpha),
+        (&motion.velocity, velocity, xi),
+    ] {
+        let global = &mut global[..field.rank()];
+        field.at_instant(instant, global);
+        basis.project(global, out);
+    }
 }

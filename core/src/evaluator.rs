@@ -3,13 +3,13 @@
 use crate::direct;
 use crate::error::EvaluateError;
 use crate::expected_error::expected_error;
-use crate::field::{Field, Times};
 use crate::interpolate::{RIDGE_ROWS, Weights};
 use crate::model::wire::Cluster;
 use crate::model::{MatrixView, Model};
+use crate::motion::Motion;
 use crate::observables::{Extremes, Observables, axial_radial, volume};
 use crate::reconstruct::{Snapshot, room};
-use crate::workspace::{Prepared, Workspace};
+use crate::workspace::{Coefficients, Prepared, Workspace};
 use crate::{Domain, Frame, Method, Query, Real, Scene};
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
@@ -185,8 +185,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     pub fn centroid_velocity(&mut self) -> T {
         let coefficient = match self.query.method {
             Method::Direct if self.workspace.velocity.t != Some(self.t) => {
-                let field = Field::new(&self.cluster().velocity, &self.workspace.psi[1]);
-                direct::velocity(&self.times(), &field, 0, self.t)
+                direct::velocity(&Motion::new(self.model, self.cluster(), &self.workspace.psi), 0, self.t)
             }
             _ => {
                 self.velocity();
@@ -287,10 +286,6 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         self.model.cluster(self.query.confinement)
     }
 
-    fn times(&self) -> Times<'a> {
-        Times(self.model.times())
-    }
-
     /// sqrt(N_x), the scale of the translation's coefficient.
     fn root_of_nodes(&self) -> T {
         T::from_index(self.model.mesh().nodes()).sqrt()
@@ -298,40 +293,51 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
 
     /// Brings the displacement's coefficients to this instant.
     fn displacement(&mut self) {
-        let (cluster, times) = (self.cluster(), self.times());
-        let workspace = &mut *self.workspace;
-        if workspace.displacement.t == Some(self.t) {
+        let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
+        let cluster = self.cluster();
+        let Workspace {
+            displacement: Coefficients { t: computed, values },
+            psi,
+            interval,
+            dynamics,
+            scratch,
+            ..
+        } = &mut *self.workspace;
+        if computed.replace(t) == Some(t) {
             return;
         }
-        let [u, v] = fields(cluster, &workspace.psi);
-        let cross_product = MatrixView::new(&cluster.cross_product);
-        let out = &mut workspace.displacement.values[..u.rank()];
+        let motion = Motion::new(self.model, cluster, psi);
+        let out = &mut values[..motion.displacement.rank()];
         match self.query.method {
-            Method::Direct => workspace
-                .interval
-                .displacement(&times, &u, &v, &cross_product, self.t, out),
-            Method::Paper => {}
+            Method::Direct => interval.displacement(&motion, t, out),
+            Method::Paper => dynamics.displacement(&motion, paper, step, t, scratch, out),
         }
-        workspace.displacement.t = Some(self.t);
     }
 
     /// Brings the velocity's coefficients to this instant.
     fn velocity(&mut self) {
-        let (cluster, times) = (self.cluster(), self.times());
-        let workspace = &mut *self.workspace;
-        if workspace.velocity.t == Some(self.t) {
+        let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
+        let cluster = self.cluster();
+        let Workspace {
+            velocity: Coefficients { t: computed, values },
+            psi,
+            dynamics,
+            scratch,
+            ..
+        } = &mut *self.workspace;
+        if computed.replace(t) == Some(t) {
             return;
         }
-        let [_, v] = fields(cluster, &workspace.psi);
+        let motion = Motion::new(self.model, cluster, psi);
+        let out = &mut values[..motion.velocity.rank()];
         match self.query.method {
             Method::Direct => {
-                for (k, out) in workspace.velocity.values[..v.rank()].iter_mut().enumerate() {
-                    *out = direct::velocity(&times, &v, k, self.t);
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = direct::velocity(&motion, k, t);
                 }
             }
-            Method::Paper => {}
+            Method::Paper => dynamics.velocity(&motion, paper, step, t, scratch, out),
         }
-        workspace.velocity.t = Some(self.t);
     }
 
     /// The surface at this instant.
@@ -352,14 +358,6 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             translation,
         }
     }
-}
-
-/// Displacement and velocity of a cluster at the query's parameters.
-fn fields<'a, 's, T: Real, const K: usize>(cluster: &Cluster<'a>, psi: &'s [[T; K]; 2]) -> [Field<'a, 's, T>; 2] {
-    [
-        Field::new(&cluster.displacement, &psi[0]),
-        Field::new(&cluster.velocity, &psi[1]),
-    ]
 }
 
 fn fits(limit: &'static str, required: usize, capacity: usize) -> Result<(), EvaluateError> {

@@ -5,15 +5,17 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod basis;
 mod direct;
 mod dynamics;
 pub mod error;
 mod evaluator;
 mod expected_error;
-mod field;
 pub mod interpolate;
 mod linalg;
+mod manifold;
 pub mod model;
+mod motion;
 mod observables;
 mod query;
 mod real;

@@ -1,6 +1,7 @@
 //! Small dense kernels with a fixed order of accumulation, so that every target rounds alike.
 
 pub(crate) mod cholesky;
+pub(crate) mod jacobi;
 mod qr;
 
 pub(crate) use qr::Qr;

@@ -1,8 +1,34 @@
 //! One query's view of the model: the double POD of both fields with the parameters already contracted.
 
 use crate::Real;
-use crate::model::MatrixView;
-use crate::model::wire;
+use crate::model::wire::{self, Cluster};
+use crate::model::{MatrixView, Model};
+
+/// What both methods work on: the interpolated coefficients of displacement and velocity at the stored instants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion<'a, 's, T> {
+    pub(crate) times: Times<'a>,
+    pub(crate) displacement: Field<'a, 's, T>,
+    pub(crate) velocity: Field<'a, 's, T>,
+    cross_product: MatrixView<'a>,
+}
+
+impl<'a, 's, T: Real> Motion<'a, 's, T> {
+    /// `psi` holds psi_u and psi_v of eqs. (23) and (24).
+    pub(crate) fn new<const K: usize>(model: &Model<'a>, cluster: &Cluster<'a>, psi: &'s [[T; K]; 2]) -> Self {
+        Self {
+            times: Times(model.times()),
+            displacement: Field::new(&cluster.displacement, &psi[0]),
+            velocity: Field::new(&cluster.velocity, &psi[1]),
+            cross_product: MatrixView::new(&cluster.cross_product),
+        }
+    }
+
+    /// out <- Phi_u^T Phi_v xi: the displacement's rate from the velocity's coefficients.
+    pub(crate) fn rate(&self, xi: &[T], out: &mut [T]) {
+        self.cross_product.multiply(0, xi, out);
+    }
+}
 
 /// A field of a cluster at the query's parameters: coefficients(t_i) = A(t_i) psi.
 #[derive(Clone, Copy, Debug)]

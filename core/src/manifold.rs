@@ -1,0 +1,164 @@
+//! xi = M(alpha, t): the learned quasi-static equilibrium (section 3.4.4 of the paper, eqs. 44 to 46).
+//!
+//! A first-order fit on the few snapshots near t has fewer snapshots than unknowns, so the normal equations of eq. (45)
+//! are singular. The least-norm solution is taken instead, from the dual system of the snapshots, with the regressors
+//! centred and scaled by the window's weights: in raw monomials the constant competes with the translation and the
+//! solution drifts.
+
+use crate::Real;
+use crate::interpolate::weight;
+use crate::linalg::{cholesky, dot};
+use crate::motion::Times;
+
+/// The most snapshots that a window holds.
+const MOST: usize = 8;
+
+/// Snapshots in local coordinates around an instant, kept as the instant moves on.
+#[derive(Clone, Debug)]
+pub(crate) struct Manifold<T, const M: usize> {
+    /// Stored instant in each slot.
+    instants: [Option<usize>; MOST],
+    alpha: [[T; M]; MOST],
+    xi: [[T; M]; MOST],
+}
+
+impl<T: Real, const M: usize> Manifold<T, M> {
+    pub(crate) const EMPTY: Self = Self {
+        instants: [None; MOST],
+        alpha: [[T::ZERO; M]; MOST],
+        xi: [[T::ZERO; M]; MOST],
+    };
+
+    /// Forgets all snapshots.
+    pub(crate) fn forget(&mut self) {
+        self.instants = [None; MOST];
+    }
+
+    /// xi at (alpha, t), with R = `window` times the snapshot interval that holds t. `snapshot` gives alpha^D and xi^D
+    /// at a stored instant; it is asked once as long as the instant stays in the window.
+    pub(crate) fn velocity(
+        &mut self,
+        times: &Times<'_>,
+        window: T,
+        t: T,
+        alpha: &[T; M],
+        mut snapshot: impl FnMut(usize, &mut [T; M], &mut [T; M]),
+    ) -> [T; M] {
+        let interval = times.interval(t);
+        let radius = window * (times.get::<T>(interval + 1) - times.get(interval));
+        let first = (interval + 1).saturating_sub(MOST / 2);
+        let last = (interval + MOST / 2).min(times.count() - 1);
+        let mut weights = [T::ZERO; MOST];
+        for instant in first..=last {
+            let slot = instant % MOST;
+            weights[slot] = weight((t - times.get(instant)).abs() / radius);
+            if weights[slot] > T::ZERO && self.instants[slot] != Some(instant) {
+                snapshot(instant, &mut self.alpha[slot], &mut self.xi[slot]);
+                self.instants[slot] = Some(instant);
+            }
+        }
+        fit(&weights, &self.alpha, &self.xi, alpha)
+    }
+}
+
+/// The weighted least-norm first-order fit of xi over alpha, at `query`.
+fn fit<T: Real, const M: usize>(
+    weights: &[T; MOST],
+    alpha: &[[T; M]; MOST],
+    xi: &[[T; M]; MOST],
+    query: &[T; M],
+) -> [T; M] {
+    let sum = weights.iter().copied().sum::<T>();
+    let weights = weights.map(|weight| weight / sum);
+    let centre = mean(&weights, alpha);
+    let mut scale = mean(&weights, &alpha.map(|alpha| square_difference(&alpha, &centre)));
+    // Below rounding of the data a regressor says nothing. The translation's size is no measure for the shape's.
+    let (translation, shape) = (centre[0] * centre[0], dot(&centre[1..], &centre[1..]));
+    for (k, scale) in scale.iter_mut().enumerate() {
+        let variance = *scale + T::EPSILON * if k == 0 { translation } else { shape };
+        *scale = if variance > T::ZERO {
+            T::ONE / variance.sqrt()
+        } else {
+            T::ZERO
+        };
+    }
+
+    let regressor = |alpha: &[T; M]| -> [T; M] { core::array::from_fn(|k| (alpha[k] - centre[k]) * scale[k]) };
+    let roots = weights.map(T::sqrt);
+    let mut rows = [[T::ZERO; M]; MOST];
+    for ((row, alpha), root) in rows.iter_mut().zip(alpha).zip(roots) {
+        *row = if root > T::ZERO {
+            regressor(alpha).map(|x| root * x)
+        } else {
+            *row
+        };
+    }
+    let query = regressor(query);
+    let mut dual = [[T::ZERO; MOST]; MOST];
+    let mut share = [T::ZERO; MOST];
+    for i in 0..MOST {
+        dual[i] = core::array::from_fn(|j| dot(&rows[i], &rows[j]));
+        share[i] = dot(&rows[i], &query);
+    }
+    let trace = (0..MOST).map(|i| dual[i][i]).sum::<T>();
+    for i in 0..MOST {
+        dual[i][i] += T::FIT_RIDGE * trace;
+    }
+    cholesky::solve(dual.as_flattened_mut(), MOST, 0, &mut share);
+
+    let centre = mean(&weights, xi);
+    let mut result = centre;
+    for ((share, root), xi) in share.iter().zip(roots).zip(xi) {
+        for (k, result) in result.iter_mut().enumerate() {
+            *result += *share * root * (xi[k] - centre[k]);
+        }
+    }
+    result
+}
+
+fn mean<T: Real, const M: usize>(weights: &[T; MOST], vectors: &[[T; M]; MOST]) -> [T; M] {
+    core::array::from_fn(|k| {
+        weights
+            .iter()
+            .zip(vectors)
+            .map(|(weight, vector)| *weight * vector[k])
+            .sum()
+    })
+}
+
+fn square_difference<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> [T; M] {
+    core::array::from_fn(|k| (a[k] - b[k]) * (a[k] - b[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_affine_law_of_few_coordinates_is_found() {
+        // Two coordinates that move, four snapshots: the law is determined.
+        let law = |a: &[f64; 4]| [1.0 + 2.0 * a[0] - a[1], 0.5 - a[1], 3.0, 0.0];
+        let alpha: [[f64; 4]; MOST] = core::array::from_fn(|i| [100.0 + i as f64, 0.1 * (i * i) as f64, 7.0, 0.0]);
+        let xi = alpha.map(|alpha| law(&alpha));
+        let weights = core::array::from_fn(|i| if i < 4 { 1.0 + i as f64 } else { 0.0 });
+        let query = [101.3, 0.2, 7.0, 0.0];
+        let found = fit(&weights, &alpha, &xi, &query);
+        for (found, exact) in found.iter().zip(law(&query)) {
+            assert!((found - exact).abs() < 1e-6, "{found} {exact}");
+        }
+    }
+
+    #[test]
+    fn snapshots_are_returned_where_coordinates_outnumber_them() {
+        let alpha: [[f32; 6]; MOST] =
+            core::array::from_fn(|i| core::array::from_fn(|k| ((i + 1) as f32 * (k + 2) as f32).sin()));
+        let xi: [[f32; 6]; MOST] = core::array::from_fn(|i| core::array::from_fn(|k| ((i * i + k) as f32).cos()));
+        let weights = core::array::from_fn(|i| if i < 4 { 0.25 } else { 0.0 });
+        for i in 0..4 {
+            let found = fit(&weights, &alpha, &xi, &alpha[i]);
+            for k in 0..6 {
+                assert!((found[k] - xi[i][k]).abs() < 1e-3, "{} {}", found[k], xi[i][k]);
+            }
+        }
+    }
+}
