@@ -21,6 +21,7 @@ mod query;
 mod real;
 mod reconstruct;
 mod scene;
+mod section;
 mod workspace;
 
 pub use error::{EncodeError, EvaluateError, OpenError};
@@ -30,4 +31,5 @@ pub use observables::Observables;
 pub use query::{Domain, Method, Query};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};
+pub use section::{Segment, section};
 pub use workspace::Workspace;

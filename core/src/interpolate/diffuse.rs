@@ -14,6 +14,8 @@ use crate::model::wire::Paper;
 
 /// Square root of the ridge on the second-order terms.
 const RIDGE: f32 = 1e-4;
+/// Degree that is reproduced wherever the samples lie: twelve of them may lie on two rows of a grid.
+const SURE_DEGREE: usize = 1;
 /// Numbers of the second-order monomials.
 const SECOND_ORDER: core::ops::Range<usize> = 3..MONOMIALS;
 /// Rows that the ridge takes beside those of the samples.
@@ -51,7 +53,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let radius = T::from_f64(settings.radius) * neighbours[holds - 1].distance;
         let within = |neighbour: &&Neighbour<T>| neighbour.distance < radius || neighbour.distance == T::ZERO;
         let n = neighbours[..found].iter().take_while(within).count();
-        let mut weights = Self::new(&neighbours[..n], radius);
+        let mut weights = Self::new(&neighbours[..n], radius, SURE_DEGREE);
 
         let mut columns = weights.monomials();
         let mut roots = [T::ZERO; N];

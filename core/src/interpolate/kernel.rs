@@ -5,18 +5,14 @@
 //! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
 
 use super::neighbours::{Neighbour, nearest};
-use super::{Weights, at_query, norm};
+use super::{Weights, at_query, covariance};
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot};
 use crate::model::wire::Kernel;
 
-/// -|a - b|^5.
-pub(super) fn quintic<T: Real>(a: [T; 2], b: [T; 2]) -> T {
-    let r = norm([a[0] - b[0], a[1] - b[1]]);
-    let square = r * r;
-    -(square * square * r)
-}
+/// Degree of the tail.
+const DEGREE: usize = 2;
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by the quintic kernel. `left_out` is a sample that takes
@@ -46,7 +42,11 @@ impl<T: Real, const N: usize> Weights<T, N> {
             return Err(EvaluateError::Weights { sum: 0.0 });
         }
         let neighbours = &neighbours[..n];
-        let mut weights = Self::new(neighbours, neighbours.last().map_or(T::ZERO, |last| last.distance));
+        let mut weights = Self::new(
+            neighbours,
+            neighbours.last().map_or(T::ZERO, |last| last.distance),
+            DEGREE,
+        );
 
         let found = scratch.len();
         let matrix = scratch
@@ -55,7 +55,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let offsets = &weights.offsets[..n];
         for i in 0..n {
             for j in 0..i {
-                let value = quintic(offsets[i], offsets[j]);
+                let value = covariance(DEGREE, offsets[i], offsets[j]);
                 matrix[i * n + j] = value;
                 matrix[j * n + i] = value;
             }
@@ -63,7 +63,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         }
         let mut right = [T::ZERO; N];
         for (right, offset) in right.iter_mut().zip(offsets) {
-            *right = quintic(*offset, [T::ZERO; 2]);
+            *right = covariance(DEGREE, *offset, [T::ZERO; 2]);
         }
 
         // L = Q [c; y]: c meets the constraints, y is free.

@@ -23,19 +23,22 @@ pub struct Weights<T, const N: usize> {
     /// Offsets from the query in the interpolation's coordinates, divided by the radius.
     offsets: [[T; 2]; N],
     radius: T,
+    /// Degree of the polynomials that the weights are sure to reproduce.
+    degree: usize,
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// No weights.
     pub(crate) const EMPTY: Self = Self {
         count: 0,
+        degree: 0,
         samples: [0; N],
         values: [T::ZERO; N],
         offsets: [[T::ZERO; 2]; N],
         radius: T::ZERO,
     };
 
-    fn new(neighbours: &[Neighbour<T>], radius: T) -> Self {
+    fn new(neighbours: &[Neighbour<T>], radius: T, degree: usize) -> Self {
         let mut weights = Self {
             count: neighbours.len(),
             radius,
@@ -96,22 +99,33 @@ impl<T: Real, const N: usize> Weights<T, N> {
         }
     }
 
-    /// Standard deviation of the interpolation error for data with the generalised covariance -r^5 (the power function
-    /// of the quintic kernel, Wendland, Scattered Data Approximation, 2005, chapter 11): 0 at a sample, growing with
-    /// the distance from the samples to the power 5/2. Defined for every set of weights.
+    /// Standard deviation of the interpolation error for data with a generalised covariance: -r^5 for weights that
+    /// reproduce quadratics, r^3 for those that are sure to reproduce linear functions only. It is the power function
+    /// of that kernel (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 where the query is a sample that
+    /// the weights return, and growing with the distance from the samples to the power 5/2 or 3/2.
     pub fn deviation(&self) -> T {
         let (values, offsets) = (&self.values[..self.count], &self.offsets[..self.count]);
+        let two = T::from_f32(2.0);
         let mut square = T::ZERO;
         for i in 0..self.count {
-            let mut row = T::from_f32(-2.0) * kernel::quintic(offsets[i], [T::ZERO; 2]);
+            let mut row = -two * covariance(self.degree, offsets[i], [T::ZERO; 2]);
             for j in 0..i {
-                row += T::from_f32(2.0) * values[j] * kernel::quintic(offsets[i], offsets[j]);
+                row += two * values[j] * covariance(self.degree, offsets[i], offsets[j]);
             }
             square += values[i] * row;
         }
-        let radius = self.radius;
-        (square.max(T::ZERO) * radius * radius * radius * radius * radius).sqrt()
+        let powers = 2 * self.degree + 1;
+        (0..powers)
+            .fold(square.max(T::ZERO), |square, _| square * self.radius)
+            .sqrt()
     }
+}
+
+/// Polyharmonic kernel of the plane that is positive definite on weights that annihilate polynomials of a degree:
+/// -r, r^3, -r^5.
+fn covariance<T: Real>(degree: usize, a: [T; 2], b: [T; 2]) -> T {
+    let r = norm([a[0] - b[0], a[1] - b[1]]);
+    (0..degree).fold(-r, |value, _| -(value * r * r))
 }
 
 /// First unit vector: the monomials at the query.
