@@ -137,3 +137,187 @@ fn at_query<T: Real>() -> [T; MONOMIALS] {
 fn norm<T: Real>(vector: [T; 2]) -> T {
     dot(&vector, &vector).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::wire::{Kernel, Paper};
+
+    const N: usize = 32;
+    const KERNEL: Kernel = Kernel {
+        neighbours: 24,
+        capillary_scale: 2.25,
+    };
+    const PAPER: Paper = Paper {
+        neighbours: 12,
+        capillary_scale: 1.9,
+        radius: 1.2,
+        displacement_rank: 10,
+        velocity_rank: 10,
+        window: 2.0,
+    };
+
+    /// A grid of samples, 20 x `rows`.
+    fn grid<T: Real>(rows: usize) -> impl Iterator<Item = [T; 2]> + Clone {
+        (0..20 * rows).map(|i| {
+            let [column, row] = [i % 20, i / 20].map(|i| i as f64);
+            [0.01 + 0.01 * column, 0.75 + 0.05 * row].map(T::from_f64)
+        })
+    }
+
+    fn weights<T: Real>(kernel: bool, rows: usize, query: [f64; 2], left_out: Option<usize>) -> Weights<T, N> {
+        let query = query.map(T::from_f64);
+        let mut scratch = [T::ZERO; N * N];
+        let weights = if kernel {
+            Weights::kernel(&KERNEL, grid(rows), query, left_out, &mut scratch)
+        } else {
+            Weights::diffuse(&PAPER, grid(rows), query, left_out)
+        };
+        weights.unwrap()
+    }
+
+    /// sum_j L_j f(theta_j).
+    fn interpolate<T: Real>(weights: &Weights<T, N>, rows: usize, f: impl Fn([f64; 2]) -> f64) -> f64 {
+        let value = |sample| f(grid::<f64>(rows).nth(sample).unwrap());
+        weights
+            .iter()
+            .map(|(sample, weight)| weight.to_f64() * value(sample))
+            .sum()
+    }
+
+    const QUERIES: [[f64; 2]; 5] = [[0.105, 0.925], [0.012, 0.751], [0.2, 1.2], [0.111, 1.013], [0.03, 0.95]];
+
+    #[test]
+    fn both_reproduce_quadratics_in_their_coordinates() {
+        for query in QUERIES {
+            let root = |[ca, y]: [f64; 2]| {
+                let x = ca.sqrt();
+                1.0 + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
+            };
+            let found = interpolate(&weights::<f64>(true, 10, query, None), 10, root);
+            assert!((found - root(query)).abs() < 1e-12, "{query:?}");
+            let found = interpolate(&weights::<f32>(true, 10, query, None), 10, root);
+            assert!((found - root(query)).abs() < 5e-6, "{query:?} {found}");
+            // Five rows of a/l are within reach at the finer spacing of the first query only.
+            let plain = |[x, y]: [f64; 2]| 1.0 + 3.0 * x - 2.0 * y + 50.0 * x * x - 4.0 * x * y;
+            let found = interpolate(&weights::<f64>(false, 10, query, None), 10, plain);
+            assert!((found - plain(query)).abs() < 1e-5, "{query:?} {found}");
+            let found = interpolate(&weights::<f32>(false, 10, query, None), 10, plain);
+            assert!((found - plain(query)).abs() < 2e-5, "{query:?} {found}");
+        }
+    }
+
+    #[test]
+    fn weights_sum_to_one_and_stay_moderate() {
+        for query in QUERIES {
+            for kernel in [true, false] {
+                let weights = weights::<f32>(kernel, 10, query, None);
+                let sum: f32 = weights.iter().map(|(_, weight)| weight).sum();
+                assert!(
+                    (sum - 1.0).abs() < 1e-6 && weights.lebesgue() < 4.0,
+                    "{query:?} {}",
+                    weights.lebesgue()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_kernel_returns_the_sample_itself() {
+        let weights = weights::<f64>(true, 10, [0.03, 0.8], None);
+        for (sample, weight) in weights.iter() {
+            assert!(
+                (weight - if sample == 22 { 1.0 } else { 0.0 }).abs() < 1e-9,
+                "{sample} {weight}"
+            );
+        }
+        assert!(weights.deviation() < 1e-6);
+    }
+
+    #[test]
+    fn a_sample_left_out_takes_no_part() {
+        for kernel in [true, false] {
+            let weights = weights::<f64>(kernel, 10, [0.03, 0.8], Some(22));
+            assert!(weights.iter().all(|(sample, _)| sample != 22));
+            assert!(weights.deviation() > 0.0);
+        }
+    }
+
+    #[test]
+    fn too_few_rows_for_the_tail_still_answer() {
+        for kernel in [true, false] {
+            for rows in [1, 2] {
+                let weights = weights::<f32>(kernel, rows, [0.105, 0.775], None);
+                let found = interpolate(&weights, rows, |[ca, _]| ca);
+                assert!((found - 0.105).abs() < 1e-3, "{rows} {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_kernel_agrees_with_the_full_saddle_system() {
+        // The same weights from [Phi P; P^T 0] [L; mu] = [phi; p] by Gaussian elimination with pivoting.
+        let query = [0.105, 0.925];
+        let weights = weights::<f64>(true, 10, query, None);
+        let (n, offsets) = (weights.count, weights.offsets);
+        const SIZE: usize = 30;
+        assert_eq!(n + MONOMIALS, SIZE);
+        let columns = weights.monomials();
+        let mut system = [[0.0; SIZE + 1]; SIZE];
+        for i in 0..n {
+            for j in 0..n {
+                system[i][j] = covariance(2, offsets[i], offsets[j]);
+            }
+            for k in 0..MONOMIALS {
+                (system[i][n + k], system[n + k][i]) = (columns[k][i], columns[k][i]);
+            }
+            system[i][SIZE] = covariance(2, offsets[i], [0.0; 2]);
+        }
+        system[n][SIZE] = 1.0;
+        for k in 0..SIZE {
+            let pivot = (k..SIZE)
+                .max_by(|&a, &b| system[a][k].abs().total_cmp(&system[b][k].abs()))
+                .unwrap();
+            system.swap(k, pivot);
+            for i in (0..SIZE).filter(|&i| i != k) {
+                let factor = system[i][k] / system[k][k];
+                for j in k..=SIZE {
+                    system[i][j] -= factor * system[k][j];
+                }
+            }
+        }
+        for (j, (_, weight)) in weights.iter().enumerate() {
+            assert!((weight - system[j][SIZE] / system[j][j]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn diffuse_weights_agree_with_the_normal_equations() {
+        // L = W P (P^T W P)^-1 p of eq. (30), where the samples determine all monomials.
+        let query = [0.1075, 0.95];
+        let weights = weights::<f64>(false, 10, query, None);
+        let columns = weights.monomials();
+        let w: [f64; N] = core::array::from_fn(|j| weight(norm(weights.offsets[j])));
+        let mut system = [[0.0; MONOMIALS + 1]; MONOMIALS];
+        for a in 0..MONOMIALS {
+            for b in 0..MONOMIALS {
+                system[a][b] = (0..weights.count).map(|j| w[j] * columns[a][j] * columns[b][j]).sum();
+            }
+        }
+        system[0][MONOMIALS] = 1.0;
+        for k in 0..MONOMIALS {
+            for i in (0..MONOMIALS).filter(|&i| i != k) {
+                let factor = system[i][k] / system[k][k];
+                for j in k..=MONOMIALS {
+                    system[i][j] -= factor * system[k][j];
+                }
+            }
+        }
+        for (j, (_, found)) in weights.iter().enumerate() {
+            let exact: f64 = (0..MONOMIALS)
+                .map(|k| w[j] * columns[k][j] * system[k][MONOMIALS] / system[k][k])
+                .sum();
+            assert!((found - exact).abs() < 1e-4, "{found} {exact}");
+        }
+    }
+}
