@@ -30,10 +30,7 @@ fn every_scheme_converges_with_its_order_to_the_same_motion() {
     let steps = [0.016, 0.008, 0.004];
 
     let euler = steps.map(|step| difference(&end_state(FixedStep::new(Scheme::ForwardEuler, step)), &reference));
-    assert!(
-        orders(euler).iter().all(|order| (order - 1.0).abs() < 0.1),
-        "{euler:?}"
-    );
+    assert!(orders(euler).iter().all(|order| (order - 1.0).abs() < 0.1), "{euler:?}");
 
     let ralston = steps.map(|step| difference(&end_state(FixedStep::new(Scheme::Ralston, step)), &reference));
     assert!(
