@@ -1,1 +1,35 @@
-//! To be written.
+//! The offline stage: from a database of snapshots to one model file.
+//!
+//! [`build`] reads the steady configurations of a database, splits them into two clusters that share a row of
+//! confinements, reduces each by the double POD of the paper (Boubehziz et al., Entropy 2021, 23, 1193, eqs. 15 to 22),
+//! measures what the model errs at each sample when it is built without it, and writes all of that as the file that
+//! capsule-core reads. [`leave_one_out`] gives those errors alone.
+//!
+//! The paper's snapshots are displacements in the laboratory frame. Here the axial translation is a coordinate of its
+//! own: a state is the axial position of the volume centroid, times sqrt(N_x), and the displacement of the nodes in the
+//! centroid's frame from the stress-free sphere. Shape and translation differ a hundredfold in size, and the shape's
+//! modes need not carry the translation.
+//!
+//! Lengths are in l, velocities in V, times in l/V.
+
+mod build;
+mod error;
+mod hausdorff;
+mod leave_one_out;
+mod pod;
+mod samples;
+mod settings;
+mod spectra;
+mod svd;
+
+mod writer;
+
+pub use build::{BuildReport, ClusterReport, FieldReport, build};
+pub use error::OfflineError;
+pub use hausdorff::modified_hausdorff;
+pub use leave_one_out::{LeftOut, leave_one_out};
+pub use settings::{Ranks, Settings, Truncation};
+pub use spectra::{Spectrum, one_minus_ric};
+
+/// Progress of a long task: what is done, how many steps of it are finished, and of how many.
+pub type Progress<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);

@@ -1,0 +1,258 @@
+//! From a database to a model file.
+
+use capsule_core::Model;
+use capsule_database::Database;
+use serde::Serialize;
+
+use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
+use crate::pod::{DoublePod, Rule, Snapshots};
+use crate::samples::{Part, SAME_ROW, Sample, clusters, read, steady_limit};
+use crate::spectra::laboratory;
+use crate::writer::{ClusterParts, Domain, ErrorParts, MeshParts, Numbers, write};
+use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum, Truncation};
+
+/// What a build found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BuildReport {
+    /// Steady configurations in the model.
+    pub samples: usize,
+    /// Length of the file.
+    pub bytes: usize,
+    /// The core's digest of the file.
+    pub digest: u32,
+    /// The database's digest.
+    pub database_digest: String,
+    /// Each cluster.
+    pub clusters: Vec<ClusterReport>,
+    /// Singular values: of the whole database in the laboratory frame as in the paper, then of each cluster.
+    pub spectra: Vec<Spectrum>,
+    /// Errors at the samples, each predicted without itself.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// One cluster.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClusterReport {
+    /// Least and greatest confinement.
+    pub confinement: [f64; 2],
+    /// Samples.
+    pub samples: usize,
+    /// The displacement's reduction.
+    pub displacement: FieldReport,
+    /// The velocity's reduction.
+    pub velocity: FieldReport,
+    /// Mean error at the samples themselves, over the error instants, as a fraction of a: direct and paper's method.
+    pub floor: [f64; 2],
+}
+
+/// The reduction of one field.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FieldReport {
+    /// K^x, the translation included.
+    pub space_rank: usize,
+    /// K^c.
+    pub parameter_rank: usize,
+    /// Root-mean-square error over nodes, instants and samples that the space modes leave, in l or V.
+    pub space_error: f64,
+    /// That which the parameter modes leave.
+    pub parameter_error: f64,
+}
+
+/// Builds a model from the steady configurations of a database: the bytes of the file, and a report.
+///
+/// Equal databases and settings give equal bytes.
+///
+/// # Errors
+/// [`OfflineError`]: too few samples, snapshots without the symmetry of their mesh, settings without meaning, or a
+/// damaged database.
+pub fn build(
+    database: &Database,
+    settings: &Settings,
+    progress: Progress,
+) -> Result<(Vec<u8>, BuildReport), OfflineError> {
+    let plan = Plan::new(database, settings, progress)?;
+    progress("singular values", 0, 2);
+    let nodes = database.mesh().nodes.len();
+    let mut spectra = laboratory(&plan.samples, plan.mesh.scales(), nodes)?;
+    progress("singular values", 1, 2);
+    let reduced = plan.reduce()?;
+    progress("singular values", 2, 2);
+    let left_out = plan_leave_one_out(&plan, &reduced, progress)?;
+
+    let mut parts = Vec::new();
+    let mut reports = Vec::new();
+    for (index, cluster) in reduced.iter().enumerate() {
+        let all: Vec<usize> = (0..cluster.part.members.len()).collect();
+        let mut built = plan.cluster(cluster, &all)?;
+        let bytes = plan.write(&[&built.parts])?;
+        let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
+        let mut floors = [0.0; 2];
+        for (m, method) in METHODS.into_iter().enumerate() {
+            let of_method: Vec<&LeftOut> = left_out
+                .iter()
+                .filter(|e| e.cluster == index && e.method == method)
+                .collect();
+            let mut sum = 0.0;
+            for j in &cluster.part.members {
+                let sample = &plan.samples[*j];
+                let failed = |source| OfflineError::Evaluate {
+                    parameters: sample.parameters,
+                    source,
+                };
+                let (distances, _) = errors(&model, sample.parameters, method, &sample.truth).map_err(failed)?;
+                sum += distances.iter().sum::<f64>() / distances.len() as f64;
+            }
+            floors[m] = sum / cluster.part.members.len() as f64;
+            built.parts.errors[m] = ErrorParts {
+                left_out: Numbers::new(of_method.len(), settings.error_times.len(), |j, i| {
+                    of_method[j].laboratory[i]
+                }),
+                deviation: Numbers::new(of_method.len(), 1, |j, _| of_method[j].deviation.max(1e-12)),
+                floor: floors[m],
+            };
+        }
+        let [displacement, velocity] = &built.pods;
+        for (matrix, values) in [
+            ("S_u", &displacement.parameter_values),
+            ("T_u", &displacement.space_values),
+            ("S_v", &velocity.parameter_values),
+            ("T_v", &velocity.space_values),
+        ] {
+            spectra.push(Spectrum {
+                matrix,
+                cluster: Some(cluster.part.range),
+                singular_values: values.clone(),
+            });
+        }
+        reports.push(ClusterReport {
+            confinement: cluster.part.range,
+            samples: cluster.part.members.len(),
+            displacement: field_report(&cluster.displacement, displacement),
+            velocity: field_report(&cluster.velocity, velocity),
+            floor: floors,
+        });
+        parts.push(built.parts);
+    }
+    let bytes = plan.write(&parts.iter().collect::<Vec<_>>())?;
+    let digest = Model::open(&bytes).map_err(OfflineError::Invalid)?.digest();
+    let report = BuildReport {
+        samples: plan.samples.len(),
+        bytes: bytes.len(),
+        digest,
+        database_digest: plan.domain.database_digest,
+        clusters: reports,
+        spectra,
+        left_out,
+    };
+    Ok((bytes, report))
+}
+
+fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
+    let (space, parameter) = (pod.modes.ncols(), pod.parameter_modes.ncols());
+    let samples = pod.parameter_modes.nrows();
+    FieldReport {
+        space_rank: space + 1,
+        parameter_rank: parameter,
+        space_error: snapshots.error_beyond(&pod.space_values, space, samples),
+        parameter_error: snapshots.error_beyond(&pod.parameter_values, parameter, samples),
+    }
+}
+
+/// Everything that is the same for all models built from a database: with all its samples, or without one.
+pub(crate) struct Plan<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) samples: Vec<Sample>,
+    mesh: MeshParts,
+    domain: Domain,
+    parts: Vec<Part>,
+    nodes: usize,
+}
+
+/// The snapshots of a cluster in a common basis.
+pub(crate) struct Reduced {
+    pub(crate) part: Part,
+    displacement: Snapshots,
+    velocity: Snapshots,
+}
+
+/// A cluster built from some of its samples.
+pub(crate) struct Built {
+    pub(crate) parts: ClusterParts,
+    pods: [DoublePod; 2],
+}
+
+impl<'a> Plan<'a> {
+    pub(crate) fn new(database: &Database, settings: &'a Settings, progress: Progress) -> Result<Self, OfflineError> {
+        settings.validate()?;
+        let mesh = MeshParts::new(database)?;
+        let samples = read(database, &settings.error_times, progress)?;
+        let parts = clusters(&samples, settings.split)?;
+        let range = |d: usize| {
+            let values = samples.iter().map(|s| s.parameters[d]);
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])
+        };
+        let domain = Domain {
+            ranges: [range(0), range(1)],
+            steady_limit: steady_limit(&samples),
+            times: database.times(),
+            database_digest: format!("{:016x}", database.digest()?),
+        };
+        Ok(Plan {
+            settings,
+            mesh,
+            domain,
+            parts,
+            nodes: database.mesh().nodes.len(),
+            samples,
+        })
+    }
+
+    /// The snapshots of each cluster.
+    pub(crate) fn reduce(&self) -> Result<Vec<Reduced>, OfflineError> {
+        let reduce = |part: &Part| {
+            let samples = || part.members.iter().map(|j| &self.samples[*j]);
+            let (displacement, velocity) = rayon::join(
+                || Snapshots::new(&samples().map(|s| &s.displacement).collect::<Vec<_>>(), self.nodes),
+                || Snapshots::new(&samples().map(|s| &s.velocity).collect::<Vec<_>>(), self.nodes),
+            );
+            Ok(Reduced {
+                part: part.clone(),
+                displacement: displacement?,
+                velocity: velocity?,
+            })
+        };
+        self.parts.iter().map(reduce).collect()
+    }
+
+    /// Builds a cluster from those of its samples whose places are in `keep`.
+    pub(crate) fn cluster(&self, cluster: &Reduced, keep: &[usize]) -> Result<Built, OfflineError> {
+        let rules = match self.settings.truncation {
+            Truncation::Tolerance { displacement, velocity } => [displacement, velocity].map(Rule::Tolerance),
+            Truncation::Ranks { displacement, velocity } => [displacement, velocity].map(Rule::Ranks),
+        };
+        let displacement = cluster.displacement.reduce(keep, rules[0])?;
+        let velocity = cluster.velocity.reduce(keep, rules[1])?;
+        let parameters: Vec<[f64; 2]> = keep
+            .iter()
+            .map(|j| self.samples[cluster.part.members[*j]].parameters)
+            .collect();
+        let fields = [(&cluster.displacement, &displacement), (&cluster.velocity, &velocity)];
+        let parts = ClusterParts::new(cluster.part.range, &parameters, fields, &self.mesh, self.settings);
+        Ok(Built {
+            parts,
+            pods: [displacement, velocity],
+        })
+    }
+
+    pub(crate) fn write(&self, clusters: &[&ClusterParts]) -> Result<Vec<u8>, OfflineError> {
+        write(self.settings, &self.domain, &self.mesh, clusters)
+    }
+
+    /// The cluster that answers a query at a confinement: the first that reaches up to it.
+    pub(crate) fn answering(&self, confinement: f64) -> usize {
+        self.parts
+            .iter()
+            .position(|part| confinement <= part.range[1] + SAME_ROW)
+            .unwrap_or(0)
+    }
+}

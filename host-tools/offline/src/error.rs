@@ -1,0 +1,89 @@
+//! Why no model was built.
+
+use capsule_core::{EncodeError, EvaluateError, OpenError};
+use capsule_database::DatabaseError;
+
+/// An error of the offline stage: what was wrong, where, and what would be right.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OfflineError {
+    /// The database cannot be read.
+    #[error(transparent)]
+    Database(#[from] DatabaseError),
+    /// The database is not over capillary number and confinement.
+    #[error("the database has parameters {found:?}; a model is built over [\"capillary_number\", \"confinement\"]")]
+    WrongParameters {
+        /// The parameters' names.
+        found: Vec<String>,
+    },
+    /// There are too few steady configurations.
+    #[error("{found} steady configurations with a/l in [{}, {}]; at least {needed} are needed", range[0], range[1])]
+    TooFewSamples {
+        /// The confinements of the cluster.
+        range: [f64; 2],
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+    },
+    /// Snapshots do not have the symmetry of the mesh.
+    #[error(
+        "configuration {parameters:?} deviates by {deviation:e} from the symmetry of its mesh; at most {limit:e} is rounding"
+    )]
+    NotSymmetric {
+        /// The configuration.
+        parameters: Vec<f64>,
+        /// The largest deviation of a component.
+        deviation: f64,
+        /// What would be right.
+        limit: f64,
+    },
+    /// The mesh has no nodes along a section outline, pole to pole.
+    #[error("the mesh has {found} nodes on the outline `{outline}`; at least 3, with both poles, are needed")]
+    NoOutline {
+        /// The outline's name.
+        outline: &'static str,
+        /// How many nodes lie on it.
+        found: usize,
+    },
+    /// The mesh has more nodes than the model file can index.
+    #[error("the mesh has {nodes} nodes; a model file indexes at most {limit}")]
+    TooManyNodes {
+        /// Nodes of the mesh.
+        nodes: usize,
+        /// The most that can be.
+        limit: usize,
+    },
+    /// A setting has no meaning.
+    #[error("setting `{name}` is {value}; expected {expected}")]
+    BadSetting {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A singular value decomposition did not converge.
+    #[error("the singular value decomposition of a {rows} x {columns} matrix did not converge")]
+    NoConvergence {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+    },
+    /// The model file cannot be written.
+    #[error("the model cannot be written: {0}")]
+    Encode(EncodeError),
+    /// The core refuses the model that was just written.
+    #[error("the new model is not valid: {0}")]
+    Invalid(OpenError),
+    /// The core refuses to evaluate the model at one of its samples.
+    #[error("the new model cannot be evaluated at {parameters:?}: {source}")]
+    Evaluate {
+        /// The configuration.
+        parameters: [f64; 2],
+        /// The core's answer.
+        source: EvaluateError,
+    },
+}

@@ -1,0 +1,156 @@
+//! What a model errs at a sample that it does not contain.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use capsule_core::interpolate::Weights;
+use capsule_core::model::wire::Method;
+use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
+use capsule_database::Database;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::build::{Plan, Reduced};
+use crate::samples::Truth;
+use crate::{OfflineError, Progress, Settings, modified_hausdorff};
+
+/// The methods, in the order of the file's error tables.
+pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
+
+/// The most samples that take part in an interpolation: the default capacity of the core's workspace.
+const NEIGHBOURS: usize = 32;
+
+/// The errors of one method at one sample, predicted without it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// (Ca, a/l) of the sample.
+    pub parameters: [f64; 2],
+    /// The cluster that was built without it, counted from 0. A sample of the shared row occurs once for each cluster.
+    pub cluster: usize,
+    /// Whether this is the cluster that answers a query at the sample.
+    pub answers: bool,
+    /// The method.
+    pub method: Method,
+    /// Modified Hausdorff distance in the laboratory frame at each of the settings' `error_times`, as a fraction of a.
+    pub laboratory: Vec<f64>,
+    /// The same in the frame of the volume centroid: of the shape alone.
+    pub shape: Vec<f64>,
+    /// Deviation of the weights of that prediction, see [`Weights::deviation`].
+    pub deviation: f64,
+}
+
+/// Leaves out every steady sample of the database in turn: builds its cluster again without it, POD and all, predicts
+/// it through capsule-core by both methods, and compares with the full-order solution.
+///
+/// The instants are the settings' `error_times`. Results are in the order of the clusters, samples and methods.
+///
+/// # Errors
+/// As [`crate::build`].
+pub fn leave_one_out(
+    database: &Database,
+    settings: &Settings,
+    progress: Progress,
+) -> Result<Vec<LeftOut>, OfflineError> {
+    let plan = Plan::new(database, settings, progress)?;
+    let reduced = plan.reduce()?;
+    plan_leave_one_out(&plan, &reduced, progress)
+}
+
+pub(crate) fn plan_leave_one_out(
+    plan: &Plan,
+    reduced: &[Reduced],
+    progress: Progress,
+) -> Result<Vec<LeftOut>, OfflineError> {
+    let tasks: Vec<(usize, usize)> = reduced
+        .iter()
+        .enumerate()
+        .flat_map(|(c, r)| (0..r.part.members.len()).map(move |j| (c, j)))
+        .collect();
+    let done = AtomicUsize::new(0);
+    let results: Result<Vec<[LeftOut; 2]>, OfflineError> = tasks
+        .par_iter()
+        .map(|(c, j)| {
+            let errors = leave_out(plan, *c, &reduced[*c], *j)?;
+            progress("leave one out", 1 + done.fetch_add(1, Ordering::Relaxed), tasks.len());
+            Ok(errors)
+        })
+        .collect();
+    Ok(results?.into_iter().flatten().collect())
+}
+
+fn leave_out(plan: &Plan, index: usize, cluster: &Reduced, out: usize) -> Result<[LeftOut; 2], OfflineError> {
+    let keep: Vec<usize> = (0..cluster.part.members.len()).filter(|j| *j != out).collect();
+    let parts = plan.cluster(cluster, &keep)?.parts;
+    let bytes = plan.write(&[&parts])?;
+    let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
+    let sample = &plan.samples[cluster.part.members[out]];
+    let all: Vec<[f64; 2]> = cluster
+        .part
+        .members
+        .iter()
+        .map(|j| plan.samples[*j].parameters)
+        .collect();
+    let predicted = |method| {
+        let failed = |source| OfflineError::Evaluate {
+            parameters: sample.parameters,
+            source,
+        };
+        let (laboratory, shape) = errors(&model, sample.parameters, method, &sample.truth).map_err(failed)?;
+        Ok::<LeftOut, OfflineError>(LeftOut {
+            parameters: sample.parameters,
+            cluster: index,
+            answers: plan.answering(sample.parameters[1]) == index,
+            method,
+            laboratory,
+            shape,
+            deviation: deviation(plan.settings, &all, out, method).map_err(failed)?,
+        })
+    };
+    Ok([predicted(METHODS[0])?, predicted(METHODS[1])?])
+}
+
+/// The distances of a prediction from the truth at its instants, as fractions of a: laboratory frame, centroid frame.
+pub(crate) fn errors(
+    model: &Model,
+    parameters: [f64; 2],
+    method: Method,
+    truth: &[Truth],
+) -> Result<(Vec<f64>, Vec<f64>), EvaluateError> {
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(model, &mut workspace)?;
+    evaluator.prepare(&Query {
+        extrapolate: true,
+        ..Query::new(parameters[0], parameters[1], method)
+    })?;
+    let (mut laboratory, mut shape) = (Vec::new(), Vec::new());
+    for truth in truth {
+        let mut instant = evaluator.at(truth.time)?;
+        let mut predicted = vec![[0.0; 3]; truth.positions.len()];
+        instant.positions(
+            &Scene {
+                nodes: Nodes::All,
+                frame: Frame::Laboratory,
+            },
+            &mut predicted,
+        )?;
+        let centroid = instant.centroid();
+        laboratory.push(modified_hausdorff(&predicted, &truth.positions) / parameters[1]);
+        for p in &mut predicted {
+            p[0] -= centroid - truth.centroid;
+        }
+        shape.push(modified_hausdorff(&predicted, &truth.positions) / parameters[1]);
+    }
+    Ok((laboratory, shape))
+}
+
+/// The deviation of the weights with which sample `out` is predicted from the others.
+fn deviation(settings: &Settings, samples: &[[f64; 2]], out: usize, method: Method) -> Result<f64, EvaluateError> {
+    let (all, query) = (samples.iter().copied(), samples[out]);
+    let weights = match method {
+        Method::Direct => {
+            let mut scratch = vec![0.0; NEIGHBOURS * NEIGHBOURS];
+            Weights::<f64, NEIGHBOURS>::kernel(&settings.kernel, all, query, Some(out), &mut scratch)?
+        }
+        Method::Paper => Weights::diffuse(&settings.paper, all, query, Some(out))?,
+    };
+    Ok(weights.deviation())
+}

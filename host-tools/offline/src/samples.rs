@@ -1,0 +1,195 @@
+//! The samples: steady configurations of a database as states over the sector's nodes.
+
+use capsule_database::{Database, Trajectory};
+use faer::Mat;
+use rayon::prelude::*;
+
+use crate::{OfflineError, Progress};
+
+/// A field counts as symmetric below this deviation of a component (l or V). Databases keep fields to 2.4e-7.
+const SYMMETRIC: f64 = 1e-6;
+
+/// Confinements closer than this are the same row of the design.
+pub(crate) const SAME_ROW: f64 = 1e-6;
+
+/// One field of one sample at all instants.
+pub(crate) struct State {
+    /// `sqrt(N_x)` times the centroid's axial position or velocity, `[N_t]`.
+    pub(crate) translation: Vec<f64>,
+    /// The shape at the sector's nodes, each component times the square root of its orbit's size, so that the Euclidean
+    /// product of two shapes is that over the full mesh; `[3 N_s, N_t]`.
+    pub(crate) shape: Mat<f64>,
+}
+
+/// One steady configuration.
+pub(crate) struct Sample {
+    /// (Ca, a/l)
+    pub(crate) parameters: [f64; 2],
+    pub(crate) displacement: State,
+    pub(crate) velocity: State,
+    /// What a prediction is compared with.
+    pub(crate) truth: Vec<Truth>,
+}
+
+/// The full-order solution at an instant.
+pub(crate) struct Truth {
+    pub(crate) time: f64,
+    /// Laboratory frame, `[N_x]`.
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) centroid: f64,
+}
+
+/// Reads all steady configurations of a database, extended by rigid translation to its end time; the truth is kept at
+/// `truth_times`.
+///
+/// # Errors
+/// [`OfflineError::WrongParameters`], [`OfflineError::NotSymmetric`], or the database's errors.
+pub(crate) fn read(database: &Database, truth_times: &[f64], progress: Progress) -> Result<Vec<Sample>, OfflineError> {
+    let names: Vec<&str> = database
+        .description()
+        .parameters
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
+    if names != ["capillary_number", "confinement"] {
+        return Err(OfflineError::WrongParameters {
+            found: names.into_iter().map(str::to_owned).collect(),
+        });
+    }
+    let entries: Vec<_> = database
+        .entries()?
+        .into_iter()
+        .filter(|e| e.status.is_steady() && e.snapshots > 0)
+        .collect();
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let samples = entries.par_iter().map(|entry| {
+        let sample = sample(database, &database.read(&entry.parameters)?, truth_times)?;
+        progress(
+            "read snapshots",
+            1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed),
+            entries.len(),
+        );
+        Ok(sample)
+    });
+    samples.collect()
+}
+
+fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Result<Sample, OfflineError> {
+    let (mesh, symmetry) = (database.mesh(), database.symmetry());
+    for field in stored.positions.iter().chain(&stored.velocities) {
+        let deviation = symmetry.deviation(field)?;
+        if deviation > SYMMETRIC {
+            let parameters = stored.parameters.clone();
+            return Err(OfflineError::NotSymmetric {
+                parameters,
+                deviation,
+                limit: SYMMETRIC,
+            });
+        }
+    }
+    let times = database.times();
+    let end = stored.times.last().copied().unwrap_or(0.0);
+    let trajectory = stored.extended(mesh, &times)?;
+    let [capillary_number, confinement] = [stored.parameters[0], stored.parameters[1]];
+
+    let mut speeds: Vec<f64> = Vec::with_capacity(times.len());
+    for i in 0..times.len() {
+        // Beyond the stored end the capsule translates rigidly.
+        let speed = match speeds.last() {
+            Some(last) if times[i] > end && times[i - 1] > end => *last,
+            _ => mesh.centroid_velocity(&trajectory.positions[i], &trajectory.velocities[i])?,
+        };
+        speeds.push(speed);
+    }
+    let scales: Vec<f64> = symmetry.orbit_sizes().iter().map(|w| f64::from(*w).sqrt()).collect();
+    let sector = &symmetry.sector;
+    let root = (mesh.nodes.len() as f64).sqrt();
+    let displacement = State {
+        translation: trajectory.centroid.iter().map(|x| root * x).collect(),
+        shape: Mat::from_fn(3 * sector.len(), times.len(), |row, i| {
+            let (s, d) = (row / 3, row % 3);
+            let node = sector[s] as usize;
+            let origin = if d == 0 { trajectory.centroid[i] } else { 0.0 };
+            scales[s] * (trajectory.positions[i][node][d] - origin - confinement * mesh.nodes[node][d])
+        }),
+    };
+    let velocity = State {
+        translation: speeds.iter().map(|u| root * u).collect(),
+        shape: Mat::from_fn(3 * sector.len(), times.len(), |row, i| {
+            let (s, d) = (row / 3, row % 3);
+            let mean = if d == 0 { speeds[i] } else { 0.0 };
+            scales[s] * (trajectory.velocities[i][sector[s] as usize][d] - mean)
+        }),
+    };
+    let truth = stored.extended(mesh, truth_times)?;
+    let truth = truth.positions.into_iter().zip(truth.times).zip(truth.centroid);
+    let truth = truth
+        .map(|((positions, time), centroid)| Truth {
+            time,
+            positions,
+            centroid,
+        })
+        .collect();
+    Ok(Sample {
+        parameters: [capillary_number, confinement],
+        displacement,
+        velocity,
+        truth,
+    })
+}
+
+/// A part of the parameter domain and the samples in it.
+#[derive(Clone)]
+pub(crate) struct Part {
+    /// Least and greatest confinement.
+    pub(crate) range: [f64; 2],
+    /// Indices of the samples.
+    pub(crate) members: Vec<usize>,
+}
+
+/// The clusters: samples up to the split, and from it on; the row at the split belongs to both. One cluster when all
+/// samples lie on one side.
+///
+/// # Errors
+/// [`OfflineError::TooFewSamples`] when a cluster has fewer samples than a quadratic has coefficients, and one more that
+/// may be left out.
+pub(crate) fn clusters(samples: &[Sample], split: f64) -> Result<Vec<Part>, OfflineError> {
+    let confinements = || samples.iter().map(|s| s.parameters[1]);
+    let (low, high) = confinements().fold((f64::INFINITY, 0.0), |(a, b), c| (f64::min(a, c), f64::max(b, c)));
+    let ranges = if low < split - SAME_ROW && high > split + SAME_ROW {
+        vec![[low, split], [split, high]]
+    } else {
+        vec![[low, high]]
+    };
+    let mut clusters = Vec::new();
+    for range in ranges {
+        let inside = |c: f64| c >= range[0] - SAME_ROW && c <= range[1] + SAME_ROW;
+        let members: Vec<usize> = (0..samples.len())
+            .filter(|j| inside(samples[*j].parameters[1]))
+            .collect();
+        let needed = 7;
+        if members.len() < needed {
+            return Err(OfflineError::TooFewSamples {
+                range,
+                found: members.len(),
+                needed,
+            });
+        }
+        clusters.push(Part { range, members });
+    }
+    Ok(clusters)
+}
+
+/// The largest sampled capillary number of each row of confinements, ascending: (a/l, Ca).
+pub(crate) fn steady_limit(samples: &[Sample]) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = samples.iter().map(|s| [s.parameters[1], s.parameters[0]]).collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(b[1].total_cmp(&a[1])));
+    points.dedup_by(|later, kept| {
+        let same = (later[0] - kept[0]).abs() <= SAME_ROW;
+        if same {
+            kept[1] = kept[1].max(later[1]);
+        }
+        same
+    });
+    points
+}

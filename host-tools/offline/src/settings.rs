@@ -1,0 +1,150 @@
+//! What can be chosen when a model is built.
+
+use capsule_core::model::wire::{Kernel, Method, Paper};
+use serde::Serialize;
+
+use crate::OfflineError;
+
+/// The largest rank that is kept: the default capacity of the core's workspace.
+pub(crate) const MAX_RANK: usize = 64;
+
+/// Settings of the offline stage; the default is what the shipped model is built with.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Settings {
+    /// A title for people.
+    pub title: String,
+    /// The constitutive law of the membrane.
+    pub membrane_law: String,
+    /// When the model is made, in seconds since 1970 (UTC). Given from outside, so that equal input gives equal bytes.
+    pub created_unix_s: u64,
+    /// The confinement at which the two clusters meet. The default is where the initial shape changes from a sphere to
+    /// an ellipsoid.
+    pub split: f64,
+    /// How many modes are kept.
+    pub truncation: Truncation,
+    /// The direct method.
+    pub kernel: Kernel,
+    /// The paper's method.
+    pub paper: Paper,
+    /// The method that a reader of the model takes unless told otherwise.
+    pub default_method: Method,
+    /// The instants at which the leave-one-out errors are measured, in l/V; snapshots must exist there.
+    pub error_times: Vec<f64>,
+}
+
+/// How many modes are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Truncation {
+    /// As many as bring the error of each basis below a tolerance (root mean square over nodes, instants and samples),
+    /// but no more than the core holds.
+    Tolerance {
+        /// For the displacement, in l.
+        displacement: f64,
+        /// For the velocity, in V.
+        velocity: f64,
+    },
+    /// As many as are asked for, like the paper.
+    Ranks {
+        /// Of the displacement.
+        displacement: Ranks,
+        /// Of the velocity.
+        velocity: Ranks,
+    },
+}
+
+/// The truncation ranks of one field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Ranks {
+    /// Space modes, K^x, the translation included.
+    pub space: usize,
+    /// Parameter modes, K^c.
+    pub parameter: usize,
+}
+
+impl Truncation {
+    /// The ranks of the paper (section 4.5): 40 and 40 for the displacement, 50 and 50 for the velocity.
+    pub const PAPER: Truncation = Truncation::Ranks {
+        displacement: Ranks {
+            space: 40,
+            parameter: 40,
+        },
+        velocity: Ranks {
+            space: 50,
+            parameter: 50,
+        },
+    };
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            title: "Microcapsule in a square microchannel".to_owned(),
+            membrane_law: "neo-Hookean".to_owned(),
+            created_unix_s: 0,
+            split: 0.9,
+            truncation: Truncation::Tolerance {
+                displacement: 2e-5,
+                velocity: 2e-5,
+            },
+            kernel: Kernel {
+                neighbours: 24,
+                capillary_scale: 2.25,
+            },
+            paper: Paper {
+                neighbours: 12,
+                capillary_scale: 1.9,
+                radius: 1.2,
+                displacement_rank: 10,
+                velocity_rank: 10,
+                window: 2.0,
+            },
+            default_method: Method::Direct,
+            error_times: vec![1.0, 2.0, 4.0, 8.0, 20.0],
+        }
+    }
+}
+
+impl Settings {
+    /// Checks what the types leave open.
+    pub(crate) fn validate(&self) -> Result<(), OfflineError> {
+        let bad = |name, value, expected| Err(OfflineError::BadSetting { name, value, expected });
+        if !(self.split.is_finite() && self.split > 0.0) {
+            return bad("split", self.split, "a positive confinement");
+        }
+        match self.truncation {
+            Truncation::Tolerance { displacement, velocity } => {
+                for (name, value) in [
+                    ("displacement tolerance", displacement),
+                    ("velocity tolerance", velocity),
+                ] {
+                    if !(value.is_finite() && value >= 0.0) {
+                        return bad(name, value, "a number that is not negative");
+                    }
+                }
+            }
+            Truncation::Ranks { displacement, velocity } => {
+                let ranks = [
+                    ("displacement space rank", displacement.space),
+                    ("displacement parameter rank", displacement.parameter),
+                    ("velocity space rank", velocity.space),
+                    ("velocity parameter rank", velocity.parameter),
+                ];
+                for (name, value) in ranks {
+                    if !(1..=MAX_RANK).contains(&value) {
+                        return bad(name, value as f64, "a rank from 1 to 64");
+                    }
+                }
+            }
+        }
+        let rising = self.error_times.windows(2).all(|w| w[0] < w[1]);
+        if self.error_times.is_empty() || !rising {
+            return bad(
+                "error_times",
+                self.error_times.len() as f64,
+                "at least one instant, increasing",
+            );
+        }
+        Ok(())
+    }
+}

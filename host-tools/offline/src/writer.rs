@@ -1,0 +1,313 @@
+//! From reduced clusters to the bytes of a model file.
+
+use capsule_core::model::encode;
+use capsule_core::model::wire::{Blob, Cluster, Contents, Errors, Field, Matrix, Mesh, Metadata, NodeSet, Parameter};
+use capsule_core::{DIAGONAL, MIDPLANE};
+use capsule_database::Database;
+use faer::Mat;
+
+use crate::pod::{DoublePod, Snapshots, product};
+use crate::{OfflineError, Settings};
+
+/// A reference coordinate closer to a plane than this lies on it (unit sphere).
+const ON_PLANE: f64 = 1e-9;
+
+/// A matrix as the file holds it: row-major, little-endian f32.
+pub(crate) struct Numbers {
+    rows: usize,
+    columns: usize,
+    bytes: Vec<u8>,
+}
+
+impl Numbers {
+    pub(crate) fn new(rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
+        let value = &value;
+        let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| value(i, j) as f32));
+        Numbers {
+            rows,
+            columns,
+            bytes: entries.flat_map(f32::to_le_bytes).collect(),
+        }
+    }
+
+    pub(crate) fn column(values: &[f64]) -> Self {
+        Numbers::new(values.len(), 1, |i, _| values[i])
+    }
+
+    fn matrix(&self) -> Matrix<'_> {
+        Matrix::f32(self.rows as u32, self.columns as u32, &self.bytes)
+    }
+}
+
+/// The mesh as the file holds it.
+pub(crate) struct MeshParts {
+    nodes: usize,
+    elements: Vec<u8>,
+    sector_reference: Numbers,
+    sector_nodes: Vec<u8>,
+    representative: Vec<u8>,
+    operation: Vec<u8>,
+    outlines: [(&'static str, Vec<u8>); 2],
+    scales: Vec<f64>,
+}
+
+fn indices<'a>(values: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
+    // The number of nodes has been checked, so none is cut.
+    values.into_iter().flat_map(|v| (*v as u16).to_le_bytes()).collect()
+}
+
+impl MeshParts {
+    /// # Errors
+    /// [`OfflineError::TooManyNodes`] or [`OfflineError::NoOutline`].
+    pub(crate) fn new(database: &Database) -> Result<Self, OfflineError> {
+        let (mesh, symmetry) = (database.mesh(), database.symmetry());
+        let limit = usize::from(u16::MAX) + 1;
+        if mesh.nodes.len() > limit {
+            return Err(OfflineError::TooManyNodes {
+                nodes: mesh.nodes.len(),
+                limit,
+            });
+        }
+        let midplane = outline(MIDPLANE, &mesh.nodes, |[_, y, z]| z.abs() < ON_PLANE && y > -ON_PLANE)?;
+        let diagonal = outline(DIAGONAL, &mesh.nodes, |[_, y, z]| {
+            (y - z).abs() < ON_PLANE && y > -ON_PLANE
+        })?;
+        Ok(MeshParts {
+            nodes: mesh.nodes.len(),
+            elements: indices(mesh.elements.as_flattened()),
+            sector_reference: Numbers::new(symmetry.sector.len(), 3, |s, d| {
+                mesh.nodes[symmetry.sector[s] as usize][d]
+            }),
+            sector_nodes: indices(&symmetry.sector),
+            representative: indices(&symmetry.representative),
+            operation: symmetry.operation.clone(),
+            outlines: [(MIDPLANE, indices(&midplane)), (DIAGONAL, indices(&diagonal))],
+            scales: symmetry.orbit_sizes().iter().map(|w| f64::from(*w).sqrt()).collect(),
+        })
+    }
+
+    /// The square root of the orbit's size of each sector node.
+    pub(crate) fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    fn wire(&self) -> Mesh<'_> {
+        Mesh {
+            nodes: self.nodes as u32,
+            elements: Blob::new(&self.elements),
+            sector_reference: self.sector_reference.matrix(),
+            sector_nodes: Blob::new(&self.sector_nodes),
+            representative: Blob::new(&self.representative),
+            operation: Blob::new(&self.operation),
+            node_sets: self
+                .outlines
+                .iter()
+                .map(|(name, nodes)| NodeSet {
+                    name,
+                    nodes: Blob::new(nodes),
+                })
+                .collect(),
+        }
+    }
+}
+
+/// The nodes of a half plane through the axis, from the front pole to the rear pole.
+fn outline(
+    name: &'static str,
+    nodes: &[[f64; 3]],
+    lies_on: impl Fn([f64; 3]) -> bool,
+) -> Result<Vec<u32>, OfflineError> {
+    let mut outline: Vec<u32> = (0..nodes.len() as u32)
+        .filter(|i| lies_on(nodes[*i as usize]))
+        .collect();
+    outline.sort_by(|a, b| nodes[*b as usize][0].total_cmp(&nodes[*a as usize][0]));
+    let pole = |i: Option<&u32>| i.is_some_and(|i| nodes[*i as usize][1].hypot(nodes[*i as usize][2]) < ON_PLANE);
+    if outline.len() < 3 || !pole(outline.first()) || !pole(outline.last()) {
+        return Err(OfflineError::NoOutline {
+            outline: name,
+            found: outline.len(),
+        });
+    }
+    Ok(outline)
+}
+
+/// Errors of one method at the samples of a cluster.
+pub(crate) struct ErrorParts {
+    /// `[N_c, N_e]`
+    pub(crate) left_out: Numbers,
+    /// `[N_c, 1]`
+    pub(crate) deviation: Numbers,
+    pub(crate) floor: f64,
+}
+
+impl ErrorParts {
+    /// Errors that are not known yet.
+    pub(crate) fn unknown(samples: usize, times: usize) -> Self {
+        ErrorParts {
+            left_out: Numbers::new(samples, times, |_, _| 0.0),
+            deviation: Numbers::new(samples, 1, |_, _| 1.0),
+            floor: 0.0,
+        }
+    }
+
+    fn wire(&self) -> Errors<'_> {
+        Errors {
+            left_out: self.left_out.matrix(),
+            deviation: self.deviation.matrix(),
+            floor: self.floor,
+        }
+    }
+}
+
+struct FieldParts {
+    modes: Numbers,
+    coefficients: Numbers,
+    parameter_modes: Numbers,
+}
+
+impl FieldParts {
+    fn new(modes: &Mat<f64>, pod: &DoublePod, scales: &[f64]) -> Self {
+        let (rank, columns) = (pod.modes.ncols() + 1, pod.parameter_modes.ncols());
+        let coefficients = &pod.coefficients;
+        FieldParts {
+            modes: Numbers::new(modes.nrows(), modes.ncols(), |row, k| modes[(row, k)] / scales[row / 3]),
+            coefficients: Numbers::new(coefficients.len() * rank, columns, |row, l| {
+                coefficients[row / rank][(row % rank, l)]
+            }),
+            parameter_modes: Numbers::new(pod.parameter_modes.nrows(), columns, |j, l| pod.parameter_modes[(j, l)]),
+        }
+    }
+
+    fn wire(&self) -> Field<'_> {
+        Field {
+            modes: self.modes.matrix(),
+            coefficients: self.coefficients.matrix(),
+            parameter_modes: self.parameter_modes.matrix(),
+        }
+    }
+}
+
+/// One cluster as the file holds it.
+pub(crate) struct ClusterParts {
+    range: [f64; 2],
+    samples: Numbers,
+    displacement: FieldParts,
+    velocity: FieldParts,
+    cross_product: Numbers,
+    /// Of the direct method and of the paper's.
+    pub(crate) errors: [ErrorParts; 2],
+}
+
+impl ClusterParts {
+    /// The cluster of the samples at `parameters`, from the double PODs of its two fields; errors unknown.
+    pub(crate) fn new(
+        range: [f64; 2],
+        parameters: &[[f64; 2]],
+        [displacement, velocity]: [(&Snapshots, &DoublePod); 2],
+        mesh: &MeshParts,
+        settings: &Settings,
+    ) -> Self {
+        let unknown = || ErrorParts::unknown(parameters.len(), settings.error_times.len());
+        let [modes_u, modes_v] = [displacement, velocity].map(|(snapshots, pod)| snapshots.modes_at_nodes(pod));
+        let shape = product(&modes_u.transpose().to_owned(), &modes_v);
+        let cross_product = Numbers::new(shape.nrows() + 1, shape.ncols() + 1, |k, l| match (k, l) {
+            (0, 0) => 1.0,
+            (0, _) | (_, 0) => 0.0,
+            _ => shape[(k - 1, l - 1)],
+        });
+        ClusterParts {
+            range,
+            samples: Numbers::new(parameters.len(), 2, |j, d| parameters[j][d]),
+            displacement: FieldParts::new(&modes_u, displacement.1, &mesh.scales),
+            velocity: FieldParts::new(&modes_v, velocity.1, &mesh.scales),
+            cross_product,
+            errors: [unknown(), unknown()],
+        }
+    }
+
+    fn wire(&self) -> Cluster<'_> {
+        Cluster {
+            confinement_min: self.range[0],
+            confinement_max: self.range[1],
+            samples: self.samples.matrix(),
+            displacement: self.displacement.wire(),
+            velocity: self.velocity.wire(),
+            cross_product: self.cross_product.matrix(),
+            direct_errors: self.errors[0].wire(),
+            paper_errors: self.errors[1].wire(),
+        }
+    }
+}
+
+/// What a file says about the domain.
+pub(crate) struct Domain {
+    /// Least and greatest Ca, least and greatest a/l.
+    pub(crate) ranges: [[f64; 2]; 2],
+    /// (a/l, Ca)
+    pub(crate) steady_limit: Vec<[f64; 2]>,
+    pub(crate) times: Vec<f64>,
+    pub(crate) database_digest: String,
+}
+
+/// Writes a model file.
+///
+/// # Errors
+/// [`OfflineError::Encode`].
+pub(crate) fn write(
+    settings: &Settings,
+    domain: &Domain,
+    mesh: &MeshParts,
+    clusters: &[&ClusterParts],
+) -> Result<Vec<u8>, OfflineError> {
+    // The creation time is not a setting of the mathematics, and has its own place.
+    let text = serde_json::to_string(&Settings {
+        created_unix_s: 0,
+        ..settings.clone()
+    })
+    .unwrap_or_default();
+    let times = Numbers::column(&domain.times);
+    let error_times = Numbers::column(&settings.error_times);
+    let limit = Numbers::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
+    let parameter = |name, d: usize| Parameter {
+        name,
+        min: domain.ranges[d][0],
+        max: domain.ranges[d][1],
+    };
+    let contents = Contents {
+        metadata: Metadata {
+            title: &settings.title,
+            units: "lengths in l (half the duct's side), velocities in V (mean velocity of the undisturbed flow), \
+                    times in l/V",
+            membrane_law: &settings.membrane_law,
+            parameters: [parameter("capillary_number", 0), parameter("confinement", 1)],
+            database_digest: &domain.database_digest,
+            offline_settings: &text,
+            created_unix_s: settings.created_unix_s,
+        },
+        mesh: mesh.wire(),
+        times: times.matrix(),
+        error_times: error_times.matrix(),
+        steady_limit: limit.matrix(),
+        default_method: settings.default_method,
+        kernel: settings.kernel,
+        paper: settings.paper,
+        clusters: clusters.iter().map(|c| c.wire()).collect(),
+    };
+    let mut room = 8192 + text.len() + settings.title.len() + settings.membrane_law.len();
+    room += mesh.elements.len() + 12 * mesh.scales.len() + 8 * mesh.nodes + times.bytes.len() + limit.bytes.len();
+    for cluster in clusters {
+        for field in [&cluster.displacement, &cluster.velocity] {
+            room += field.modes.bytes.len() + field.coefficients.bytes.len() + field.parameter_modes.bytes.len();
+        }
+        room += cluster.samples.bytes.len() + cluster.cross_product.bytes.len();
+        room += cluster
+            .errors
+            .iter()
+            .map(|e| e.left_out.bytes.len() + e.deviation.bytes.len())
+            .sum::<usize>();
+    }
+    let mut buffer = vec![0; room];
+    let length = encode(&contents, &mut buffer).map_err(OfflineError::Encode)?;
+    buffer.truncate(length);
+    Ok(buffer)
+}

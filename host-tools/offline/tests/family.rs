@@ -1,0 +1,220 @@
+//! Whole builds on a family of which every answer is known.
+
+mod support;
+
+use capsule_core::model::wire::Method;
+use capsule_core::{Domain, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
+use capsule_database::{Database, Description, Status};
+use capsule_offline::{OfflineError, Settings, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric};
+use support::{database, octahedral, trajectory};
+
+fn settings() -> Settings {
+    Settings {
+        error_times: vec![1.0, 2.0],
+        truncation: Truncation::Tolerance {
+            displacement: 1e-6,
+            velocity: 1e-6,
+        },
+        ..Settings::default()
+    }
+}
+
+fn quiet(_: &str, _: usize, _: usize) {}
+
+fn predicted(model: &Model, [ca, a]: [f64; 2], t: f64, method: Method) -> Vec<[f64; 3]> {
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(model, &mut workspace).unwrap();
+    assert_eq!(
+        evaluator
+            .prepare(&Query {
+                step: 0.002,
+                ..Query::new(ca, a, method)
+            })
+            .unwrap(),
+        Domain::Inside
+    );
+    let mut nodes = vec![[0.0; 3]; model.contents().mesh.nodes as usize];
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    evaluator.at(t).unwrap().positions(&scene, &mut nodes).unwrap();
+    nodes
+}
+
+#[test]
+fn the_model_returns_the_family_between_its_samples() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    let (bytes, report) = build(&database, &settings(), &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    assert_eq!(
+        (report.samples, report.bytes, report.digest),
+        (25, bytes.len(), model.digest())
+    );
+
+    // Two shape modes and the translation; 1, Ca, a/l and its square in the parameters.
+    for cluster in &report.clusters {
+        assert_eq!(cluster.samples, 15);
+        assert!(cluster.displacement.space_rank <= 5, "{cluster:?}");
+        assert!(cluster.displacement.parameter_rank <= 4, "{cluster:?}");
+        assert!(
+            cluster.displacement.space_error < 1e-6 && cluster.velocity.parameter_error < 1e-6,
+            "{cluster:?}"
+        );
+    }
+    for query in [[0.065, 0.87], [0.02, 0.9], [0.1, 0.98], [0.14, 1.0]] {
+        for (t, bound) in [(0.0f64, 5e-6), (1.0, 5e-6), (1.1, 3e-5), (2.0, 5e-6)] {
+            let exact = trajectory(database.mesh(), query, &[0.0, t.max(0.1)]);
+            let exact = &exact.positions[usize::from(t > 0.0)];
+            let direct = predicted(&model, query, t, Method::Direct);
+            let error = modified_hausdorff(&direct, exact);
+            assert!(error < bound, "direct, {query:?}, t = {t}: {error:e}");
+            // Forward Euler with a step of 0.002.
+            let error = modified_hausdorff(&predicted(&model, query, t, Method::Paper), exact);
+            assert!(error < 2e-3, "paper, {query:?}, t = {t}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn leaving_a_sample_out_changes_nothing_for_the_family() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    let errors = leave_one_out(&database, &settings(), &quiet).unwrap();
+    // The shared row belongs to both clusters; two methods.
+    assert_eq!(errors.len(), 2 * (15 + 15));
+    assert_eq!(errors.iter().filter(|e| e.answers).count(), 2 * 25);
+    for error in errors {
+        let bound = if error.method == Method::Direct { 5e-5 } else { 2e-2 };
+        for (lab, shape) in error.laboratory.iter().zip(&error.shape) {
+            assert!(*lab < bound && *shape < bound, "{error:?}");
+        }
+        assert!(error.deviation > 0.0);
+    }
+}
+
+#[test]
+fn equal_input_gives_equal_bytes() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    let settings = Settings {
+        created_unix_s: 1_700_000_000,
+        ..settings()
+    };
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let (a, _) = build(&database, &settings, &quiet).unwrap();
+    let (b, _) = one.install(|| build(&database, &settings, &quiet).unwrap());
+    assert_eq!(a, b);
+}
+
+#[test]
+fn ranks_are_kept_as_asked() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    let ranks = |space, parameter| capsule_offline::Ranks { space, parameter };
+    let truncation = Truncation::Ranks {
+        displacement: ranks(2, 3),
+        velocity: ranks(3, 2),
+    };
+    let (_, report) = build(
+        &database,
+        &Settings {
+            truncation,
+            ..settings()
+        },
+        &quiet,
+    )
+    .unwrap();
+    let cluster = &report.clusters[0];
+    assert_eq!(
+        (cluster.displacement.space_rank, cluster.displacement.parameter_rank),
+        (2, 3)
+    );
+    assert_eq!((cluster.velocity.space_rank, cluster.velocity.parameter_rank), (3, 2));
+    let spectrum = report
+        .spectra
+        .iter()
+        .find(|s| s.matrix == "T_u" && s.cluster.is_none())
+        .unwrap();
+    assert!(
+        one_minus_ric(&spectrum.singular_values)
+            .windows(2)
+            .all(|w| w[1] <= w[0])
+    );
+}
+
+#[test]
+fn a_steady_stop_is_extended_by_translation() {
+    // The same family, stored up to t = 1 only, as if it had become steady there: it must go on at its end velocity.
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    for entry in database.entries().unwrap() {
+        let mut whole = database.read(&entry.parameters).unwrap();
+        whole.status = Status::Steady { time: 1.0 };
+        whole.times.truncate(6);
+        whole.positions.truncate(6);
+        whole.velocities.truncate(6);
+        whole.centroid.truncate(6);
+        whole.pressure_drop.truncate(6);
+        database.write(&whole).unwrap();
+    }
+    let (bytes, _) = build(&database, &settings(), &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    let query = [0.05, 0.85];
+    let end = trajectory(database.mesh(), query, &[0.0, 1.0]);
+    let velocity = database
+        .mesh()
+        .centroid_velocity(&end.positions[1], &end.velocities[1])
+        .unwrap();
+    let expected: Vec<_> = end.positions[1]
+        .iter()
+        .map(|[x, y, z]| [x + velocity, *y, *z])
+        .collect();
+    let error = modified_hausdorff(&predicted(&model, query, 2.0, Method::Direct), &expected);
+    assert!(error < 5e-6, "{error:e}");
+}
+
+#[test]
+fn what_cannot_be_built_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    let mut skew = trajectory(database.mesh(), [0.08, 0.85], &database.times());
+    skew.positions[2][9][1] += 1e-4;
+    database.write(&skew).unwrap();
+    let error = build(&database, &settings(), &quiet).unwrap_err();
+    assert!(matches!(error, OfflineError::NotSymmetric { .. }), "{error}");
+
+    let bad = Settings {
+        split: f64::NAN,
+        ..settings()
+    };
+    assert!(matches!(
+        build(&database, &bad, &quiet),
+        Err(OfflineError::BadSetting { name: "split", .. })
+    ));
+    let bad = Settings {
+        error_times: vec![2.0, 1.0],
+        ..settings()
+    };
+    assert!(matches!(
+        build(&database, &bad, &quiet),
+        Err(OfflineError::BadSetting { .. })
+    ));
+
+    let directory = tempfile::tempdir().unwrap();
+    let description = Description::new(0.2, 2.0, serde_json::Value::Null);
+    let empty = Database::create(directory.path(), description.clone(), octahedral(2)).unwrap();
+    empty.record(&[0.2, 1.2], Status::Unsteady).unwrap();
+    let error = build(&empty, &settings(), &quiet).unwrap_err();
+    assert!(matches!(error, OfflineError::TooFewSamples { found: 0, .. }), "{error}");
+
+    let directory = tempfile::tempdir().unwrap();
+    let mut other = description;
+    other.parameters.pop();
+    let other = Database::create(directory.path(), other, octahedral(2)).unwrap();
+    assert!(matches!(
+        build(&other, &settings(), &quiet),
+        Err(OfflineError::WrongParameters { .. })
+    ));
+}
