@@ -32,18 +32,49 @@ fn errors<T: Real>(family: &Family, parameters: [f64; 2], step: f64, t: f64) -> 
 }
 
 #[test]
-fn print_errors() {
+fn converges_to_the_exact_motion_with_order_one_in_the_step() {
     let family = Family::new(3);
-    for step in [0.1, 0.05, 0.025, 0.0125, 0.00625] {
-        println!(
-            "f64 {step} {:?} {:?}",
-            errors::<f64>(&family, [0.073, 0.82], step, 3.0),
-            errors::<f64>(&family, [0.073, 0.82], step, 0.7)
-        );
-        println!(
-            "f32 {step} {:?} {:?}",
-            errors::<f32>(&family, [0.073, 0.82], step, 3.0),
-            errors::<f32>(&family, [0.031, 1.13], step, 3.7)
-        );
+    for (parameters, t) in [([0.073, 0.82], 0.7), ([0.031, 1.13], 1.1)] {
+        let steps = [0.1, 0.05, 0.025];
+        let errors = steps.map(|step| errors::<f64>(&family, parameters, step, t)[0]);
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((0.8..1.8).contains(&order), "{parameters:?}: {errors:?}");
+        }
     }
+}
+
+#[test]
+fn a_small_step_is_close_in_both_precisions() {
+    let family = Family::new(3);
+    for (parameters, t) in [([0.073, 0.82], 3.0), ([0.031, 1.13], 3.7), ([0.073, 0.82], 0.0)] {
+        for [position, velocity] in [
+            errors::<f64>(&family, parameters, 0.005, t),
+            errors::<f32>(&family, parameters, 0.005, t),
+        ] {
+            assert!(
+                position < 2e-4 && velocity < 2e-4,
+                "{parameters:?}, t = {t}: {position:e}, {velocity:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_way_to_the_instant() {
+    let family = Family::new(2);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f32>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    evaluator.prepare(&Query::new(0.05, 0.9, Method::Paper)).unwrap();
+    let mut at = |t: f32| {
+        let mut instant = evaluator.at(t).unwrap();
+        (instant.observables().unwrap(), instant.volume().unwrap())
+    };
+    let straight = at(1.337);
+    let (_, _, later) = (at(0.0), at(0.4), at(3.1));
+    // Back in time, and again.
+    assert_eq!(at(1.337), straight);
+    assert_eq!(at(3.1), later);
 }

@@ -42,6 +42,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let mut weights = Self {
             count: neighbours.len(),
             radius,
+            degree,
             ..Self::EMPTY
         };
         let scale = if radius > T::ZERO { T::ONE / radius } else { T::ZERO };

@@ -1,0 +1,352 @@
+//! The model file: what is written is read, in place; what is wrong is refused by name.
+
+mod common;
+
+use capsule_core::model::wire::{Blob, Contents, Matrix};
+use capsule_core::model::{MatrixView, encode};
+use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
+use common::{Arena, Family, write};
+use proptest::prelude::*;
+
+const HEADER: usize = 16;
+
+#[test]
+fn what_was_written_is_read_in_place() {
+    let family = Family::new(2);
+    let mut arena = Arena::default();
+    let contents = family.contents(&mut arena);
+    let file = write(&contents);
+    let model = Model::open(&file).unwrap();
+    assert_eq!(model.digest(), u32::from_le_bytes(file[12..16].try_into().unwrap()));
+    assert_eq!(model.end_time(), 4.0);
+    for (confinement, limit) in [(0.5_f64, 0.14), (0.825, 0.135), (2.0, 0.05)] {
+        assert!((model.steady_limit(confinement) - limit).abs() < 1e-7);
+    }
+
+    let read = model.contents();
+    assert_eq!(read.metadata, contents.metadata);
+    assert_eq!((read.kernel, read.paper), (contents.kernel, contents.paper));
+    let mut blobs = 0;
+    let mut same = |a: &Blob<'_>, b: &Blob<'_>| {
+        assert_eq!(a.data, b.data);
+        assert_eq!(
+            (a.data.as_ptr() as usize - file.as_ptr() as usize) % 16,
+            0,
+            "aligned in the file"
+        );
+        blobs += 1;
+    };
+    same(&read.mesh.elements, &contents.mesh.elements);
+    same(&read.mesh.operation, &contents.mesh.operation);
+    same(&read.times.blob, &contents.times.blob);
+    for (a, b) in read.clusters.iter().zip(&contents.clusters) {
+        same(&a.samples.blob, &b.samples.blob);
+        same(&a.velocity.modes.blob, &b.velocity.modes.blob);
+        same(&a.paper_errors.deviation.blob, &b.paper_errors.deviation.blob);
+    }
+    assert_eq!(blobs, 9);
+    let mesh = model.mesh();
+    for (node, exact) in family.sphere.nodes.iter().enumerate() {
+        let found = mesh.reference(node).unwrap();
+        assert!((0..3).all(|axis| (f64::from(found[axis]) - exact[axis]).abs() < 1e-7));
+    }
+    assert!(mesh.elements().eq(family.sphere.elements.iter().copied()));
+}
+
+#[test]
+fn alignment_does_not_change_a_bit() {
+    let file = Family::new(2).file();
+    let answer = |bytes: &[u8]| {
+        let model = Model::open(bytes).unwrap();
+        let mut workspace = Workspace::<f32>::new();
+        let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+        evaluator.prepare(&Query::new(0.033, 0.87, Method::Paper)).unwrap();
+        evaluator.at(0.77).unwrap().observables().unwrap()
+    };
+    let expected = answer(&file);
+    for shift in 1..4 {
+        let mut shifted = vec![0; shift];
+        shifted.extend_from_slice(&file);
+        assert_eq!(answer(&shifted[shift..]), expected);
+    }
+}
+
+#[test]
+fn a_short_buffer_is_refused() {
+    let family = Family::new(2);
+    let mut arena = Arena::default();
+    let contents = family.contents(&mut arena);
+    let length = write(&contents).len();
+    for found in [0, 15, 16, 1000, length - 1] {
+        let mut buffer = vec![0; found];
+        assert_eq!(
+            encode(&contents, &mut buffer),
+            Err(EncodeError::BufferTooShort { found })
+        );
+    }
+    assert_eq!(encode(&contents, &mut vec![0; length]), Ok(length));
+}
+
+#[test]
+fn a_damaged_header_is_refused() {
+    let file = Family::new(2).file();
+    let open = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = file.clone();
+        change(&mut bytes);
+        Model::open(&bytes).unwrap_err()
+    };
+    let length = file.len();
+    assert_eq!(
+        open(&|file| file.truncate(7)),
+        OpenError::Truncated {
+            expected: HEADER,
+            found: 7
+        }
+    );
+    assert_eq!(
+        open(&|file| file.truncate(900)),
+        OpenError::Truncated {
+            expected: length,
+            found: 900
+        }
+    );
+    assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
+    let newer = open(&|file| file[4] = 2);
+    assert_eq!(newer, OpenError::Version { found: 2, supported: 1 });
+    assert!(newer.to_string().contains("newer"), "{newer}");
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 1 });
+    assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
+    assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
+    assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
+}
+
+/// Puts a right header before a payload.
+fn with_header(payload: &[u8]) -> Vec<u8> {
+    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
+    let words = [u32::from_le_bytes(*b"CROM"), 1, payload.len() as u32, checksum];
+    words
+        .into_iter()
+        .flat_map(u32::to_le_bytes)
+        .chain(payload.iter().copied())
+        .collect()
+}
+
+#[test]
+fn a_message_that_is_not_one_is_refused() {
+    assert_eq!(
+        Model::open(&with_header(&[1, 2, 3])).unwrap_err(),
+        OpenError::Undecodable
+    );
+    let file = Family::new(2).file();
+    let mut payload = file[HEADER..].to_vec();
+    payload.push(0);
+    assert_eq!(
+        Model::open(&with_header(&payload)).unwrap_err(),
+        OpenError::TrailingBytes { found: 1 }
+    );
+}
+
+/// The error that a change of the contents leads to.
+fn refused(change: impl FnOnce(&mut Contents<'_>)) -> OpenError {
+    let family = Family::new(2);
+    let mut arena = Arena::default();
+    let mut contents = family.contents(&mut arena);
+    change(&mut contents);
+    let error = Model::open(&write(&contents)).unwrap_err();
+    assert!(!error.to_string().is_empty());
+    error
+}
+
+/// A copy of a matrix with one entry changed.
+fn changed<'a>(matrix: &Matrix<'a>, index: usize, value: f32) -> Matrix<'a> {
+    let mut bytes = matrix.blob.data.to_vec();
+    bytes[4 * index..][..4].copy_from_slice(&value.to_le_bytes());
+    Matrix {
+        blob: Blob::new(bytes.leak()),
+        ..*matrix
+    }
+}
+
+#[test]
+fn wrong_dimensions_are_refused() {
+    let dimension = |what| {
+        move |error| {
+            assert!(
+                matches!(error, OpenError::Dimension { what: w, .. } if w == what),
+                "{error}"
+            )
+        }
+    };
+    dimension("clusters")(refused(|c| c.clusters.clear()));
+    dimension("rows of the modes")(refused(|c| c.clusters[0].velocity.modes.rows += 1));
+    dimension("rows of the coefficients")(refused(|c| c.clusters[1].displacement.coefficients.rows -= 1));
+    dimension("columns of the parameter modes")(refused(|c| c.clusters[1].displacement.parameter_modes.columns += 1));
+    dimension("rows of the parameter modes")(refused(|c| c.clusters[1].displacement.parameter_modes.rows += 1));
+    dimension("rows of the cross product")(refused(|c| c.clusters[0].cross_product.rows = 2));
+    dimension("columns of the cross product")(refused(|c| c.clusters[0].cross_product.columns = 2));
+    dimension("rows of the leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.rows = 2));
+    dimension("columns of the leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.columns = 1));
+    dimension("rows of the deviations")(refused(|c| c.clusters[0].paper_errors.deviation.rows = 2));
+    dimension("columns of the steady limit")(refused(|c| c.steady_limit.columns = 3));
+    dimension("nodes")(refused(|c| c.mesh.nodes = 1 << 17));
+    let length = |error| assert!(matches!(error, OpenError::Length { .. }), "{error}");
+    length(refused(|c| c.mesh.nodes += 1));
+    length(refused(|c| c.mesh.operation.data = &c.mesh.operation.data[1..]));
+    length(refused(|c| c.mesh.elements.data = &c.mesh.elements.data[2..]));
+    length(refused(|c| c.mesh.sector_nodes.data = &c.mesh.sector_nodes.data[2..]));
+    length(refused(|c| c.times.rows = u32::MAX));
+    length(refused(|c| c.clusters[0].displacement.modes.blob.data = &[0; 4]));
+}
+
+#[test]
+fn wrong_numbers_are_refused() {
+    let number = |what| {
+        move |error| {
+            assert!(
+                matches!(error, OpenError::Number { what: w, .. } if w == what),
+                "{error}"
+            )
+        }
+    };
+    number("times")(refused(|c| c.times = changed(&c.times, 3, 0.1)));
+    number("times")(refused(|c| c.times = changed(&c.times, 0, 0.01)));
+    number("error times")(refused(|c| c.error_times = changed(&c.error_times, 1, f32::NAN)));
+    number("steady limit")(refused(|c| c.steady_limit = changed(&c.steady_limit, 2, 0.7)));
+    number("sector's reference nodes")(refused(|c| {
+        c.mesh.sector_reference = changed(&c.mesh.sector_reference, 4, 0.0);
+    }));
+    for value in [f32::NAN, f32::INFINITY, -1e7] {
+        number("modes")(refused(|c| {
+            c.clusters[1].velocity.modes = changed(&c.clusters[1].velocity.modes, 5, value)
+        }));
+        number("coefficients")(refused(|c| {
+            c.clusters[0].velocity.coefficients = changed(&c.clusters[0].velocity.coefficients, 5, value);
+        }));
+        number("parameter modes")(refused(|c| {
+            c.clusters[0].velocity.parameter_modes = changed(&c.clusters[0].velocity.parameter_modes, 5, value);
+        }));
+        number("cross product")(refused(|c| {
+            c.clusters[0].cross_product = changed(&c.clusters[0].cross_product, 0, value)
+        }));
+        number("samples")(refused(|c| {
+            c.clusters[0].samples = changed(&c.clusters[0].samples, 0, value)
+        }));
+        number("leave-one-out errors")(refused(|c| {
+            c.clusters[0].paper_errors.left_out = changed(&c.clusters[0].paper_errors.left_out, 0, value);
+        }));
+    }
+    number("deviations")(refused(|c| {
+        c.clusters[0].paper_errors.deviation = changed(&c.clusters[0].paper_errors.deviation, 0, 0.0);
+    }));
+    let duplicate = refused(|c| {
+        let samples = MatrixView::new(&c.clusters[0].samples);
+        let first = changed(&c.clusters[0].samples, 2, samples.get(0, 0));
+        c.clusters[0].samples = changed(&first, 3, samples.get(0, 1));
+    });
+    assert_eq!(duplicate, OpenError::DuplicateSample { first: 0, second: 1 });
+}
+
+#[test]
+fn wrong_indices_sets_and_settings_are_refused() {
+    let index = |what| {
+        move |error| {
+            assert!(
+                matches!(error, OpenError::Index { what: w, .. } if w == what),
+                "{error}"
+            )
+        }
+    };
+    let set = |blob: &Blob<'_>, byte: usize, value: u8| {
+        let mut bytes = blob.data.to_vec();
+        bytes[byte] = value;
+        Blob::new(bytes.leak())
+    };
+    index("elements")(refused(|c| c.mesh.elements = set(&c.mesh.elements, 1, 1)));
+    index("representatives")(refused(|c| c.mesh.representative = set(&c.mesh.representative, 1, 1)));
+    index("sector nodes")(refused(|c| c.mesh.sector_nodes = set(&c.mesh.sector_nodes, 1, 1)));
+    index("operations")(refused(|c| c.mesh.operation = set(&c.mesh.operation, 0, 8)));
+    index("node sets")(refused(|c| {
+        c.mesh.node_sets[1].nodes = set(&c.mesh.node_sets[1].nodes, 1, 1)
+    }));
+    let wrong = refused(|c| c.mesh.sector_nodes = set(&c.mesh.sector_nodes, 2, c.mesh.sector_nodes.data[0]));
+    assert!(matches!(wrong, OpenError::SectorNode { index: 1, .. }));
+    assert_eq!(
+        refused(|c| c.mesh.node_sets[1].name = "rim"),
+        OpenError::MissingNodeSet { name: "diagonal" }
+    );
+    assert_eq!(
+        refused(|c| c.mesh.node_sets[0].nodes.data = &[0; 4]),
+        OpenError::MissingNodeSet { name: "midplane" }
+    );
+    let setting = |error| assert!(matches!(error, OpenError::Setting { .. }), "{error}");
+    setting(refused(|c| c.metadata.parameters[0].min = f64::NAN));
+    setting(refused(|c| c.metadata.parameters[1].max = 0.5));
+    setting(refused(|c| c.kernel.neighbours = 0));
+    setting(refused(|c| c.kernel.capillary_scale = f64::INFINITY));
+    setting(refused(|c| c.paper.neighbours = 0));
+    setting(refused(|c| c.paper.capillary_scale = 0.0));
+    setting(refused(|c| c.paper.radius = 1.0));
+    setting(refused(|c| c.paper.displacement_rank = 0));
+    setting(refused(|c| c.paper.velocity_rank = 0));
+    setting(refused(|c| c.paper.window = 0.5));
+    setting(refused(|c| c.clusters[1].confinement_min = 0.95));
+    setting(refused(|c| c.clusters[1].confinement_max = 0.8));
+    setting(refused(|c| c.clusters[0].direct_errors.floor = -1.0));
+}
+
+/// Opens bytes and, if they are a model, asks it for everything at one instant.
+fn exercise(bytes: &[u8]) {
+    let Ok(model) = Model::open(bytes) else { return };
+    let mut workspace = Workspace::<f32>::new();
+    let Ok(mut evaluator) = Evaluator::new(&model, &mut workspace) else {
+        return;
+    };
+    for method in [Method::Direct, Method::Paper] {
+        let query = Query {
+            extrapolate: true,
+            step: 0.5,
+            ..Query::new(0.05, 0.9, method)
+        };
+        if evaluator.prepare(&query).is_err() {
+            continue;
+        }
+        let Ok(mut instant) = evaluator.at(1.23) else { continue };
+        if let Ok(found) = instant.observables() {
+            let all = [
+                found.axial_length,
+                found.half_width,
+                found.half_diagonal,
+                found.rear_depth,
+                found.velocity,
+            ];
+            assert!(all.iter().all(|value| value.is_finite()), "{found:?}");
+        }
+        if let Ok(volume) = instant.volume() {
+            assert!(volume.is_finite());
+        }
+        assert!(!instant.expected_error().is_nan());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        exercise(&bytes);
+        exercise(&with_header(&bytes));
+    }
+
+    #[test]
+    fn flipped_bits_are_refused_or_harmless(position in any::<prop::sample::Index>(), bit in 0..8_u8) {
+        thread_local!(static FILE: Vec<u8> = Family::new(2).file());
+        FILE.with(|file| {
+            let mut bytes = file.clone();
+            bytes[position.index(file.len())] ^= 1 << bit;
+            assert!(Model::open(&bytes).is_err());
+            // The same with a checksum that agrees.
+            let payload = bytes[HEADER..].to_vec();
+            exercise(&with_header(&payload));
+        });
+    }
+}
