@@ -1,0 +1,180 @@
+//! What is not asked for is not computed: counted by the stored numbers that are read, with a scalar that counts.
+
+mod common;
+
+use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace};
+use common::{FUNCTIONS, Family, SHAPE_MODES};
+use std::cell::Cell;
+use std::fmt;
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+thread_local!(static READS: Cell<usize> = const { Cell::new(0) });
+
+/// A single that counts how often one is made from a stored number.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Counted(f32);
+
+macro_rules! operators {
+    ($($operator:ident, $method:ident, $assign:ident, $assign_method:ident;)*) => {$(
+        impl $operator for Counted {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+        impl $assign for Counted {
+            fn $assign_method(&mut self, other: Self) {
+                self.0.$assign_method(other.0);
+            }
+        }
+    )*};
+}
+
+operators! {
+    Add, add, AddAssign, add_assign;
+    Sub, sub, SubAssign, sub_assign;
+    Mul, mul, MulAssign, mul_assign;
+}
+
+impl Div for Counted {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        Self(self.0 / other.0)
+    }
+}
+
+impl Neg for Counted {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Sum for Counted {
+    fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
+        Self(iter.map(|value| value.0).sum())
+    }
+}
+
+impl fmt::Display for Counted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Real for Counted {
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+    const EPSILON: Self = Self(f32::EPSILON);
+    const MAX: Self = Self(f32::MAX);
+    const FIT_RIDGE: Self = Self(f32::FIT_RIDGE);
+
+    fn from_f32(value: f32) -> Self {
+        READS.with(|reads| reads.set(reads.get() + 1));
+        Self(value)
+    }
+    fn from_f64(value: f64) -> Self {
+        Self(value as f32)
+    }
+    fn to_f64(self) -> f64 {
+        self.0.into()
+    }
+    fn to_index(self) -> usize {
+        self.0 as usize
+    }
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+    fn is_finite(self) -> bool {
+        self.0.is_finite()
+    }
+}
+
+/// Stored numbers that a piece of work reads; constants in the code count too, a few.
+fn reads<R>(work: impl FnOnce() -> R) -> usize {
+    let before = READS.with(Cell::get);
+    work();
+    READS.with(Cell::get) - before
+}
+
+/// Reads of one node: its row of every mode, and its reference position.
+const NODE: usize = 3 * SHAPE_MODES + 3;
+/// Reads of one stored instant of one field.
+const INSTANT: usize = (SHAPE_MODES + 1) * FUNCTIONS;
+
+#[test]
+fn a_scene_pays_for_itself_alone() {
+    let family = Family::new(4);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<Counted>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let query = Query::new(Counted(0.05), Counted(0.95), Method::Direct);
+    assert!(reads(|| evaluator.prepare(&query).unwrap()) > 0);
+    assert_eq!(reads(|| evaluator.prepare(&query).unwrap()), 0, "the same query again");
+    assert!(
+        reads(|| evaluator.at(Counted(1.23)).unwrap()) <= 4,
+        "an instant of which nothing is asked"
+    );
+
+    let mut buffer = vec![[Counted::ZERO; 3]; family.nodes()];
+    let scene = |nodes| Scene {
+        nodes,
+        frame: Frame::Laboratory,
+    };
+    let mut instant = evaluator.at(Counted(1.23)).unwrap();
+    let list = [5];
+    let first = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
+    // Two instants of both fields and the cross product of their modes, and the search for the interval.
+    let interval = 4 * INSTANT + 2 * (SHAPE_MODES + 1).pow(2);
+    assert!((NODE + interval..NODE + interval + 40).contains(&first), "{first}");
+    let again = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
+    assert_eq!(again, NODE, "the second look at an instant");
+
+    let outline = family.sphere.midplane.len();
+    assert_eq!(
+        reads(|| instant.positions(&scene(Nodes::Set(MIDPLANE)), &mut buffer).unwrap()),
+        outline * NODE
+    );
+    let sector = family.sphere.sector_nodes.len();
+    assert_eq!(
+        reads(|| instant.positions(&scene(Nodes::All), &mut buffer).unwrap()),
+        sector * NODE
+    );
+
+    // Observables: the two outlines, and row 0 of four instants of the velocity; none of its modes.
+    let outlines = (family.sphere.midplane.len() + family.sphere.diagonal.len()) * NODE;
+    let observables = reads(|| instant.observables().unwrap());
+    assert!(
+        (outlines..outlines + 4 * FUNCTIONS + 40).contains(&observables),
+        "{observables}"
+    );
+    // A quarter of the elements, each node where it is needed.
+    let volume = reads(|| instant.volume().unwrap());
+    assert!(volume < family.sphere.elements.len() / 4 * (6 * NODE + 200), "{volume}");
+
+    // The next frame of the same interval between stored instants.
+    let mut instant = evaluator.at(Counted(1.24)).unwrap();
+    let next = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
+    assert!(next < NODE + 40, "{next}");
+}
+
+#[test]
+fn stepping_goes_on_from_where_it_is() {
+    let family = Family::new(2);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<Counted>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    evaluator
+        .prepare(&Query::new(Counted(0.05), Counted(0.95), Method::Paper))
+        .unwrap();
+    let mut centroid = |t| reads(|| evaluator.at(Counted(t)).unwrap().centroid());
+    let learning = 2 * family.times.len() * INSTANT;
+    let first = centroid(3.0);
+    assert!(first > learning, "{first}");
+    // One more step; the window of snapshots moves by one at most.
+    let next = centroid(3.02);
+    assert!(next < 2 * INSTANT + 200, "{next}");
+}
