@@ -185,6 +185,17 @@ impl Moments {
     }
 }
 
+/// The greatest absolute value, or NaN if there is one (which `f64::max` would lose).
+pub(crate) fn greatest_magnitude(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).fold(0.0, |greatest, value| {
+        if greatest >= value || greatest.is_nan() {
+            greatest
+        } else {
+            value
+        }
+    })
+}
+
 /// Scalar product.
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -307,6 +318,12 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_greatest_magnitude_keeps_nan() {
+        assert_eq!(greatest_magnitude([1.0, -3.0, 2.0].into_iter()), 3.0);
+        assert!(greatest_magnitude([1.0, f64::NAN, 2.0].into_iter()).is_nan());
     }
 
     #[test]

@@ -7,7 +7,7 @@
 use crate::flow::{Flow, Membrane as FluidMembrane};
 use crate::mass_matrix::MassMatrix;
 use crate::membrane::Membrane;
-use crate::surface::{Geometry, Patch, dot};
+use crate::surface::{Geometry, Patch, dot, greatest_magnitude};
 use crate::{EvaluationError, FomError, Mesh, Symmetry, initial};
 
 /// What all capsules on one mesh share.
@@ -157,7 +157,7 @@ impl<'a> Capsule<'a> {
             normals,
             volume,
         } = &self.geometry;
-        if !(*volume > 0.0) {
+        if volume.is_nan() || *volume <= 0.0 {
             return Err(EvaluationError::Inverted { volume: *volume });
         }
         let inflow = patch.dot(velocity, volume_gradient) / patch.dot(normals, volume_gradient);
@@ -173,10 +173,7 @@ impl<'a> Capsule<'a> {
         if let Some(last) = rate.last_mut() {
             *last = centroid_velocity;
         }
-        let speed = rate.iter().fold(
-            0.0,
-            |greatest: f64, v| if v.abs() <= greatest { greatest } else { v.abs() },
-        );
+        let speed = greatest_magnitude(rate.iter().copied());
         if speed <= GREATEST_SPEED {
             Ok(())
         } else {

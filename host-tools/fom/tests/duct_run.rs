@@ -6,24 +6,46 @@ use capsule_fom::flow::DuctSettings;
 use capsule_fom::{Configuration, FomError, Integrator, Outcome, Settings, Solver, Status};
 
 fn settings() -> Settings {
-    Settings { mesh_frequency: 3, end_time: 0.4, duct: DuctSettings::coarse(), ..Settings::default() }
+    Settings {
+        mesh_frequency: 3,
+        end_time: 0.4,
+        duct: DuctSettings::coarse(),
+        ..Settings::default()
+    }
 }
 
 fn run(settings: Settings, configuration: Configuration) -> Result<Outcome, FomError> {
     Solver::new(settings)?.run(&configuration, &mut |_| ControlFlow::Continue(()))
 }
 
-const CONFIGURATION: Configuration = Configuration { capillary_number: 0.1, confinement: 0.85 };
+const CONFIGURATION: Configuration = Configuration {
+    capillary_number: 0.1,
+    confinement: 0.85,
+};
 
 fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]
 fn an_eighth_of_the_capsule_moves_like_the_whole() {
-    let fixed = Settings { integrator: Integrator::Ralston { step: 5e-3 }, ..settings() };
+    let fixed = Settings {
+        integrator: Integrator::Ralston { step: 5e-3 },
+        ..settings()
+    };
     let reduced = run(fixed.clone(), CONFIGURATION).unwrap();
-    let whole = run(Settings { symmetric: false, ..fixed }, CONFIGURATION).unwrap();
+    let whole = run(
+        Settings {
+            symmetric: false,
+            ..fixed
+        },
+        CONFIGURATION,
+    )
+    .unwrap();
     assert_eq!(reduced.times, whole.times);
     for (a, b) in reduced.positions.iter().zip(&whole.positions) {
         assert!(difference(a, b) < 1e-8, "{}", difference(a, b));
@@ -35,7 +57,14 @@ fn an_eighth_of_the_capsule_moves_like_the_whole() {
 
 #[test]
 fn integrators_agree_and_snapshots_are_consistent() {
-    let ralston = run(Settings { integrator: Integrator::Ralston { step: 2e-3 }, ..settings() }, CONFIGURATION).unwrap();
+    let ralston = run(
+        Settings {
+            integrator: Integrator::Ralston { step: 2e-3 },
+            ..settings()
+        },
+        CONFIGURATION,
+    )
+    .unwrap();
     let rkc2 = run(settings(), CONFIGURATION).unwrap();
     assert_eq!(rkc2.times, [0.0, 0.2, 0.4]);
     assert_eq!(rkc2.status, Status::Unsteady);
@@ -53,9 +82,14 @@ fn integrators_agree_and_snapshots_are_consistent() {
 
 #[test]
 fn a_long_fixed_step_is_refused_with_the_limit() {
-    let long = Settings { integrator: Integrator::ForwardEuler { step: 0.1 }, ..settings() };
+    let long = Settings {
+        integrator: Integrator::ForwardEuler { step: 0.1 },
+        ..settings()
+    };
     let error = run(long, CONFIGURATION).unwrap_err();
-    let FomError::UnstableStep { step, limit, .. } = error else { panic!("{error}") };
+    let FomError::UnstableStep { step, limit, .. } = error else {
+        panic!("{error}")
+    };
     assert_eq!(step, 0.1);
     // The spectral radius is about 10 n / Ca.
     assert!((1e-3..0.05).contains(&limit), "{limit}");
@@ -63,13 +97,28 @@ fn a_long_fixed_step_is_refused_with_the_limit() {
 
 #[test]
 fn bad_parameters_are_refused() {
-    let at = |capillary_number, confinement| Configuration { capillary_number, confinement };
-    assert!(matches!(run(settings(), at(f64::NAN, 0.9)), Err(FomError::NotPositive { .. })));
-    assert!(matches!(run(settings(), at(0.1, -0.9)), Err(FomError::NotPositive { .. })));
+    let at = |capillary_number, confinement| Configuration {
+        capillary_number,
+        confinement,
+    };
+    assert!(matches!(
+        run(settings(), at(f64::NAN, 0.9)),
+        Err(FomError::NotPositive { .. })
+    ));
+    assert!(matches!(
+        run(settings(), at(0.1, -0.9)),
+        Err(FomError::NotPositive { .. })
+    ));
     // An ellipsoid longer than the duct.
     assert!(matches!(run(settings(), at(0.1, 1.6)), Err(FomError::Start { .. })));
-    let coarse = Settings { mesh_frequency: 1, ..settings() };
-    assert!(matches!(run(coarse, CONFIGURATION), Err(FomError::MeshFrequency { frequency: 1 })));
+    let coarse = Settings {
+        mesh_frequency: 1,
+        ..settings()
+    };
+    assert!(matches!(
+        run(coarse, CONFIGURATION),
+        Err(FomError::MeshFrequency { frequency: 1 })
+    ));
     let mut short = settings();
     short.duct.half_length = -1.0;
     assert!(matches!(run(short, CONFIGURATION), Err(FomError::Duct(_))));
@@ -83,7 +132,11 @@ fn the_observer_may_break_off() {
         .run(&CONFIGURATION, &mut |progress| {
             steps += 1;
             assert_eq!(progress.steps, steps);
-            if progress.t > 0.25 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if progress.t > 0.25 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         })
         .unwrap();
     assert!(matches!(outcome.status, Status::Stopped { time, .. } if time > 0.25));
@@ -92,8 +145,19 @@ fn the_observer_may_break_off() {
 
 #[test]
 fn a_small_stiff_capsule_becomes_steady_with_the_velocity_of_a_sphere() {
-    let small = Configuration { capillary_number: 0.02, confinement: 0.2 };
-    let outcome = run(Settings { end_time: 4.0, duct: DuctSettings::default(), ..settings() }, small).unwrap();
+    let small = Configuration {
+        capillary_number: 0.02,
+        confinement: 0.2,
+    };
+    let outcome = run(
+        Settings {
+            end_time: 4.0,
+            duct: DuctSettings::default(),
+            ..settings()
+        },
+        small,
+    )
+    .unwrap();
     assert!(matches!(outcome.status, Status::Steady { .. }), "{:?}", outcome.status);
     // u_max less the Faxen correction: 2.0488 V.
     let velocity = outcome.history.centroid_velocity.last().unwrap();

@@ -5,6 +5,7 @@
 //! the work grows with the square root of the stiffness.
 
 use super::{Rate, SpectralRadius, State, StepError, Stepper};
+use crate::surface::greatest_magnitude;
 
 /// RKC2 with its work space.
 #[derive(Debug, Clone)]
@@ -80,18 +81,13 @@ impl Rkc2 {
         rate(last, &mut self.stage_rate)
     }
 
-    /// The greatest entry of the error estimate over the tolerance.
+    /// The greatest entry of the error estimate over the tolerance; infinite if one is not a number.
     fn error(&self, state: &State, step: f64) -> f64 {
         let value = &self.stages[1];
-        let mut greatest = 0.0_f64;
-        for i in 0..value.len() {
-            let difference = 0.8 * (state.value[i] - value[i]) + 0.4 * step * (state.rate[i] + self.stage_rate[i]);
-            // A NaN must not get lost in the maximum.
-            if !(difference.abs() <= greatest) {
-                greatest = difference.abs();
-            }
-        }
-        greatest / self.tolerance
+        let differences = (0..value.len())
+            .map(|i| 0.8 * (state.value[i] - value[i]) + 0.4 * step * (state.rate[i] + self.stage_rate[i]));
+        let error = greatest_magnitude(differences) / self.tolerance;
+        if error.is_nan() { f64::INFINITY } else { error }
     }
 
     /// The factor to the next step after an accepted one.
@@ -154,7 +150,7 @@ impl<E> Stepper<E> for Rkc2 {
                 }
             }
             let error = self.error(state, step);
-            if !(error <= 1.0) {
+            if error > 1.0 {
                 self.next = Some(step * (0.8 / error.cbrt()).clamp(0.1, 0.8));
                 self.age = RADIUS_AGE;
                 continue;
