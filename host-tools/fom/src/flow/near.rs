@@ -12,20 +12,47 @@ pub struct NearTargets {
     value: Vec<[f64; 3]>,
 }
 
-impl NearTargets {
-    /// The targets within `distance` of `centre`.
-    pub fn within(targets: &[[f64; 3]], centre: [f64; 3], distance: f64) -> Self {
-        let mut near = Self::default();
-        for (i, &target) in (0..).zip(targets) {
-            if distance_squared(target, centre) < distance * distance {
-                near.index.push(i);
-                near.position.push(target);
-                near.value.push([0.0; 3]);
-            }
+/// Targets in blocks of a few, each with a ball around it, so that those close to a point are found quickly.
+pub struct TargetBlocks<'a> {
+    targets: &'a [[f64; 3]],
+    balls: Vec<([f64; 3], f64)>,
+}
+
+const BLOCK: usize = 16;
+
+impl<'a> TargetBlocks<'a> {
+    /// Finds the balls; blocks are of targets that follow each other.
+    pub fn new(targets: &'a [[f64; 3]]) -> Self {
+        let ball = |block: &[[f64; 3]]| {
+            let centre = [0, 1, 2].map(|d| block.iter().map(|p| p[d]).sum::<f64>() / block.len() as f64);
+            let square = block.iter().map(|&p| distance_squared(p, centre)).fold(0.0, f64::max);
+            (centre, square.sqrt())
+        };
+        Self {
+            targets,
+            balls: targets.chunks(BLOCK).map(ball).collect(),
         }
-        near
     }
 
+    /// The targets within `distance` of `centre`.
+    pub fn within(&self, centre: [f64; 3], distance: f64) -> NearTargets {
+        let mut near = NearTargets::default();
+        for (b, &(block_centre, radius)) in self.balls.iter().enumerate() {
+            if distance_squared(block_centre, centre) < (distance + radius) * (distance + radius) {
+                for (i, &target) in (0..).zip(self.targets).skip(b * BLOCK).take(BLOCK) {
+                    if distance_squared(target, centre) < distance * distance {
+                        near.index.push(i);
+                        near.position.push(target);
+                    }
+                }
+            }
+        }
+        near.value.resize(near.index.len(), [0.0; 3]);
+        near
+    }
+}
+
+impl NearTargets {
     /// Their number.
     pub fn len(&self) -> usize {
         self.index.len()

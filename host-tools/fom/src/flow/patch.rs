@@ -1,7 +1,9 @@
 //! A curved triangle that carries a load, both P2: an element of the membrane or a part of one.
 
+use multiversion::multiversion;
+
 use super::quadrature::TriangleRule;
-use super::stokeslet::Sources;
+use super::stokeslet::{LANES, Sources};
 
 /// Six nodes (VTK order) with their positions and loads.
 #[derive(Debug, Clone)]
@@ -52,71 +54,115 @@ impl Patch {
         .map(|nodes| Self { nodes })
     }
 
-    /// Adds the patch's sources by a rule: at each point the load times weight and surface element.
+    /// Adds the patch's sources by a rule, `rule.slots()` of them: at each point the load times weight and surface
+    /// element.
     pub fn add_sources(&self, rule: &PatchRule, sources: &mut Sources) {
-        for point in &rule.points {
-            let mut value = [0.0; 6];
-            let mut tangents = [[0.0; 3]; 2];
-            for (k, node) in self.nodes.iter().enumerate() {
-                for c in 0..6 {
-                    value[c] += point.shape[k] * node[c];
-                }
-                for d in 0..3 {
-                    tangents[0][d] += point.derivatives[0][k] * node[d];
-                    tangents[1][d] += point.derivatives[1][k] * node[d];
-                }
-            }
-            let [[ax, ay, az], [bx, by, bz]] = tangents;
-            let normal = [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx];
-            let area = normal.iter().map(|c| c * c).sum::<f64>().sqrt() * point.weight;
-            let [x, y, z, qx, qy, qz] = value;
-            sources.push([x, y, z], [qx * area, qy * area, qz * area]);
-        }
+        interpolate(&rule.blocks, &self.nodes, sources.extend(rule.slots()));
     }
 }
 
-/// A triangle rule with the P2 shape functions at its points.
+/// A triangle rule with the P2 shape functions at its points, in blocks of [`LANES`] points. The last block is filled
+/// up with points of no weight.
 #[derive(Debug, Clone)]
 pub struct PatchRule {
-    points: Vec<RulePoint>,
+    blocks: Vec<Block>,
 }
 
+/// Shape functions, their two derivatives, and weights at [`LANES`] points.
 #[derive(Debug, Clone)]
-struct RulePoint {
-    shape: [f64; 6],
-    derivatives: [[f64; 6]; 2],
-    weight: f64,
+struct Block {
+    shape: [[f64; LANES]; 6],
+    derivatives: [[[f64; LANES]; 6]; 2],
+    weight: [f64; LANES],
 }
 
 impl PatchRule {
     /// Tabulates the shape functions at the points of `rule`.
     pub fn new(rule: &TriangleRule) -> Self {
-        let points = rule.points.iter().zip(&rule.weights).map(|(&[s, t], &weight)| {
-            let r = 1.0 - s - t;
-            RulePoint {
-                shape: [
-                    r * (2.0 * r - 1.0),
-                    s * (2.0 * s - 1.0),
-                    t * (2.0 * t - 1.0),
-                    4.0 * r * s,
-                    4.0 * s * t,
-                    4.0 * t * r,
-                ],
-                derivatives: [
-                    [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t],
-                    [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)],
-                ],
-                weight,
+        let mut blocks = vec![
+            Block {
+                shape: [[0.0; LANES]; 6],
+                derivatives: [[[0.0; LANES]; 6]; 2],
+                weight: [0.0; LANES],
+            };
+            rule.points.len().div_ceil(LANES)
+        ];
+        for (p, (&point, &weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
+            let (block, lane) = (&mut blocks[p / LANES], p % LANES);
+            let (shape, derivatives) = shape_functions(point);
+            for k in 0..6 {
+                block.shape[k][lane] = shape[k];
+                block.derivatives[0][k][lane] = derivatives[0][k];
+                block.derivatives[1][k][lane] = derivatives[1][k];
             }
-        });
-        Self {
-            points: points.collect(),
+            block.weight[lane] = weight;
         }
+        Self { blocks }
     }
 
-    /// The number of points.
-    pub fn len(&self) -> usize {
-        self.points.len()
+    /// The number of sources that it makes: the points, and those of no weight.
+    pub fn slots(&self) -> usize {
+        self.blocks.len() * LANES
+    }
+
+    /// Shape function of node `k` at point `p`.
+    pub fn shape(&self, k: usize, p: usize) -> f64 {
+        self.blocks[p / LANES].shape[k][p % LANES]
+    }
+}
+
+/// The P2 shape functions and their derivatives at a point of the reference triangle.
+fn shape_functions([s, t]: [f64; 2]) -> ([f64; 6], [[f64; 6]; 2]) {
+    let r = 1.0 - s - t;
+    (
+        [
+            r * (2.0 * r - 1.0),
+            s * (2.0 * s - 1.0),
+            t * (2.0 * t - 1.0),
+            4.0 * r * s,
+            4.0 * s * t,
+            4.0 * t * r,
+        ],
+        [
+            [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t],
+            [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)],
+        ],
+    )
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn interpolate(blocks: &[Block], nodes: &[[f64; 6]; 6], sources: [&mut [f64]; 6]) {
+    for (b, block) in blocks.iter().enumerate() {
+        let mut value = [[0.0; LANES]; 6];
+        let mut tangents = [[[0.0; LANES]; 3]; 2];
+        for k in 0..6 {
+            for c in 0..6 {
+                for l in 0..LANES {
+                    value[c][l] += block.shape[k][l] * nodes[k][c];
+                }
+            }
+            for (tangent, derivative) in tangents.iter_mut().zip(&block.derivatives) {
+                for d in 0..3 {
+                    for l in 0..LANES {
+                        tangent[d][l] += derivative[k][l] * nodes[k][d];
+                    }
+                }
+            }
+        }
+        let mut area = [0.0; LANES];
+        let [u, v] = &tangents;
+        for l in 0..LANES {
+            let x = u[1][l] * v[2][l] - u[2][l] * v[1][l];
+            let y = u[2][l] * v[0][l] - u[0][l] * v[2][l];
+            let z = u[0][l] * v[1][l] - u[1][l] * v[0][l];
+            area[l] = (x * x + y * y + z * z).sqrt() * block.weight[l];
+        }
+        for d in 0..3 {
+            sources[d][b * LANES..][..LANES].copy_from_slice(&value[d]);
+            for l in 0..LANES {
+                sources[3 + d][b * LANES + l] = value[3 + d][l] * area[l];
+            }
+        }
     }
 }
 

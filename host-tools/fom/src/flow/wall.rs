@@ -10,7 +10,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
 
 use super::error::FlowError;
-use super::near::NearTargets;
+use super::near::{NearTargets, TargetBlocks};
 use super::panel::{LoadedPanel, Panel, PanelRule};
 use super::stokeslet::{self, Sources};
 use crate::symmetry::apply;
@@ -189,6 +189,7 @@ impl Wall {
             sources.push(position, f.map(|c| c * weight));
         }
         let mut sums = vec![[0.0; 3]; turned.len()];
+        let blocks = TargetBlocks::new(&turned);
         stokeslet::add_all(&sources, &turned, &mut sums);
         let points = self.rule.nodes();
         let corrections: Vec<NearTargets> = self
@@ -196,7 +197,7 @@ impl Wall {
             .par_iter()
             .enumerate()
             .map(|(p, panel)| {
-                let mut near = NearTargets::within(&turned, panel.centre, self.reach * panel.radius());
+                let mut near = blocks.within(panel.centre, self.reach * panel.radius());
                 if !near.is_empty() {
                     near.subtract(sources.range(p * points, points));
                     let loaded = LoadedPanel {
@@ -221,6 +222,15 @@ impl Wall {
         }
     }
 
+    fn add_sources(&self, panel: &Panel, density: impl Iterator<Item = [f64; 3]>, sources: &mut Sources) {
+        let mut density = density;
+        panel.for_each_node(&self.rule, |position, weight| {
+            if let Some(f) = density.next() {
+                sources.push(position, f.map(|c| c * weight));
+            }
+        });
+    }
+
     /// Adds the layer of one panel, or part of one, to the targets from `start` on; reorders them.
     fn add_near(&self, part: &LoadedPanel, near: &mut NearTargets, start: usize, depth: usize, sources: &mut Sources) {
         let safe = if depth == DEEPEST {
@@ -231,12 +241,7 @@ impl Wall {
         let close = near.move_outside_to_front(start, part.panel.centre, safe);
         if close > start {
             sources.clear();
-            let mut density = part.density.iter();
-            part.panel.for_each_node(&self.rule, |position, weight| {
-                if let Some(f) = density.next() {
-                    sources.push(position, f.map(|c| c * weight));
-                }
-            });
+            self.add_sources(&part.panel, part.density.iter().copied(), sources);
             near.add(sources.all(), start..close);
         }
         if close < near.len() {
