@@ -1,7 +1,7 @@
 //! Answers of a model to one query, at one instant after another.
 
 use crate::model::Shared;
-use crate::section::section;
+use crate::section::curves;
 use capsule_core::{Domain, Evaluator, Frame, Instant, Method, Nodes, Query, Scene, Workspace};
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -14,7 +14,6 @@ pub struct Evaluation {
     workspace: Box<Workspace<f64>>,
     query: Query<f64>,
     t: f64,
-    nodes: Vec<[f64; 3]>,
 }
 
 /// Scalars of an instant: lengths in l, velocity in V.
@@ -124,30 +123,23 @@ impl Evaluation {
 
     /// An outline by name, from the front pole to the rear pole: x, r, x, r, ..., in l, laboratory frame.
     pub fn outline(&mut self, name: &str) -> Result<Vec<f64>, JsError> {
-        let scene = Scene {
-            nodes: Nodes::Set(name),
-            frame: Frame::Laboratory,
-        };
         let mut points = vec![[0.0; 2]; self.shared.nodes];
-        let count = self.ask(|instant| instant.outline(&scene, &mut points))?;
+        let count = self.ask(|instant| instant.outline(name, Frame::Laboratory, &mut points))?;
         points.truncate(count);
         Ok(points.into_flattened())
     }
 
     /// Positions of the vertices to draw, x, y, z, ..., in l, relative to the centroid.
     pub fn surface(&mut self) -> Result<Vec<f32>, JsError> {
-        Ok(self
-            .vertices()?
-            .as_flattened()
-            .iter()
-            .map(|&number| number as f32)
-            .collect())
+        let nodes = self.all_nodes()?;
+        let vertices = self.shared.surface.positions(&nodes);
+        Ok(vertices.as_flattened().iter().map(|&number| number as f32).collect())
     }
 
     /// The section by the plane at `offset` along the channel from the centroid, in l.
     pub fn transversal(&mut self, offset: f64) -> Result<Curves, JsError> {
-        let vertices = self.vertices()?;
-        let curves = section(self.shared.surface.triangles(), &vertices, offset);
+        let nodes = self.all_nodes()?;
+        let curves = curves(self.shared.core(), &nodes, offset)?;
         Ok(Curves {
             lengths: curves.iter().map(|curve| curve.len() as u32).collect(),
             points: curves.concat().into_flattened(),
@@ -158,7 +150,6 @@ impl Evaluation {
 impl Evaluation {
     pub(crate) fn new(shared: Rc<Shared>) -> Self {
         Self {
-            nodes: vec![[0.0; 3]; shared.nodes],
             shared,
             workspace: Box::default(),
             query: Query::new(f64::NAN, f64::NAN, Method::Direct),
@@ -176,16 +167,13 @@ impl Evaluation {
         Ok(question(&mut evaluator.at(self.t)?)?)
     }
 
-    fn vertices(&mut self) -> Result<Vec<[f64; 3]>, JsError> {
+    fn all_nodes(&mut self) -> Result<Vec<[f64; 3]>, JsError> {
         let scene = Scene {
             nodes: Nodes::All,
             frame: Frame::Centroid,
         };
-        let mut nodes = std::mem::take(&mut self.nodes);
-        let written = self.ask(|instant| instant.positions(&scene, &mut nodes));
-        let vertices = self.shared.surface.positions(&nodes);
-        self.nodes = nodes;
-        written?;
-        Ok(vertices)
+        let mut nodes = vec![[0.0; 3]; self.shared.nodes];
+        self.ask(|instant| instant.positions(&scene, &mut nodes))?;
+        Ok(nodes)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::evaluation::Evaluation;
 use crate::surface::Surface;
-use capsule_core::model::wire::{Encoding, Matrix};
+use capsule_core::model::MatrixView;
 use self_cell::self_cell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -50,15 +50,9 @@ impl Model {
     /// What is wrong with the file, in the core's words.
     pub fn open(bytes: Vec<u8>) -> Result<Model, JsError> {
         let file = File::try_new(bytes, |bytes| CoreModel::open(bytes))?;
-        let mesh = &file.borrow_dependent().contents().mesh;
-        let nodes = mesh.nodes as usize;
-        let indices: Vec<u16> = mesh
-            .elements
-            .data
-            .chunks_exact(2)
-            .map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
-            .collect();
-        let elements: Vec<[u16; 6]> = indices.as_chunks::<6>().0.to_vec();
+        let mesh = file.borrow_dependent().mesh();
+        let nodes = mesh.nodes();
+        let elements: Vec<[u16; 6]> = mesh.elements().collect();
         let surface = Surface::new(&elements, DIVISIONS);
         Ok(Self {
             shared: Rc::new(Shared { file, surface, nodes }),
@@ -109,10 +103,7 @@ impl Model {
     /// The last instant that can be asked for, in l/V.
     #[wasm_bindgen(getter, js_name = endTime)]
     pub fn end_time(&self) -> f64 {
-        numbers(&self.shared.core().contents().times)
-            .last()
-            .copied()
-            .unwrap_or_default()
+        self.shared.core().end_time().into()
     }
 
     /// Ranges in which the model was sampled: least and greatest Ca, then least and greatest a/l.
@@ -125,11 +116,12 @@ impl Model {
     pub fn samples(&self) -> Vec<f64> {
         let clusters = &self.shared.core().contents().clusters;
         let mut samples: Vec<[f64; 2]> = Vec::new();
-        for cluster in clusters {
-            for sample in numbers(&cluster.samples).as_chunks::<2>().0 {
-                if !samples.contains(sample) {
-                    samples.push(*sample);
-                }
+        for sample in clusters
+            .iter()
+            .flat_map(|cluster| MatrixView::new(&cluster.samples).pairs())
+        {
+            if !samples.contains(&sample) {
+                samples.push(sample);
             }
         }
         samples.into_flattened()
@@ -138,25 +130,23 @@ impl Model {
     /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by rising a/l.
     #[wasm_bindgen(js_name = steadyLimit)]
     pub fn steady_limit(&self) -> Vec<f64> {
-        numbers(&self.shared.core().contents().steady_limit)
+        let rows = MatrixView::new(&self.shared.core().contents().steady_limit).pairs();
+        rows.flat_map(|row: [f64; 2]| row).collect()
+    }
+
+    /// The parameters [Ca, a/l] to suggest instead of ones outside: first a/l, then Ca moved into its range, to a
+    /// thousandth.
+    pub fn nearest(&self, capillary_number: f64, confinement: f64) -> Vec<f64> {
+        let core = self.shared.core();
+        let [ca, al] = &core.contents().metadata.parameters;
+        let confinement = confinement.max(al.min).min(al.max);
+        // A limit stored as a single may lie a hair below the number it was made from.
+        let limit = (core.steady_limit(confinement).min(ca.max) * 1e3 + 1e-3).floor() / 1e3;
+        vec![capillary_number.min(limit).max(ca.min), confinement]
     }
 
     /// Vertices of the triangles to draw, three by three.
     pub fn triangles(&self) -> Vec<u32> {
         self.shared.surface.triangles().as_flattened().to_vec()
-    }
-}
-
-/// The entries of a stored matrix, row by row.
-fn numbers(matrix: &Matrix<'_>) -> Vec<f64> {
-    match matrix.encoding {
-        Encoding::F32 => {
-            let (entries, _) = matrix.blob.data.as_chunks::<4>();
-            entries
-                .iter()
-                .map(|&entry| f64::from(f32::from_le_bytes(entry)))
-                .collect()
-        }
-        _ => Vec::new(),
     }
 }

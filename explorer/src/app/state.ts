@@ -6,6 +6,8 @@ export interface State {
   readonly confinement: number;
   /** Time in l/V. */
   readonly t: number;
+  /** The last instant that the open model answers for. */
+  readonly end: number;
   readonly method: Method;
   readonly frame: Frame;
   /** Whether a query beyond the steady region is evaluated all the same. */
@@ -49,6 +51,7 @@ export const DEFAULT_STATE: State = {
   ca: 0.1,
   confinement: 0.9,
   t: 2,
+  end: 20,
   method: "direct",
   frame: "laboratory",
   extrapolate: false,

@@ -37,7 +37,7 @@ export class Longitudinal {
   #scene: LongitudinalScene | undefined;
   #left = 0;
 
-  constructor(stage: HTMLElement, name: string, wall: number, radius: string, onSection: (offset: number) => void) {
+  constructor(stage: HTMLElement, name: string, wall: number, onSection: (offset: number) => void) {
     this.#wall = wall;
     this.#svg = svg("svg", { role: "img", "aria-label": `Section of the capsule in the ${name}` }, stage);
     const fill = hatch(this.#svg, `hatch-${stage.id}`);
@@ -52,7 +52,6 @@ export class Longitudinal {
     this.#plane = svg("line", { class: "cut" }, this.#plot);
     this.#axis = svg("g", { class: "axis" }, this.#svg);
     this.#caption = svg("text", { class: "axis-name" }, this.#svg);
-    svg("text", { class: "axis-name", x: 2, y: 14 }, this.#svg).innerHTML = radius;
     onResize(stage, (width, height) => {
       this.#width = width;
       this.#height = height;
@@ -105,7 +104,11 @@ export class Longitudinal {
     const origin = laboratory ? 0 : scene.centroid;
     const toX = (x: number) => AXIS_WIDTH + (x - origin - this.#left) * this.#scale;
     const closed = (outline: Float64Array, shift: number) =>
-      `${path(outline, (x) => toX(x + shift), (_, r) => this.#toY(r))}${path(
+      `${path(
+        outline,
+        (x) => toX(x + shift),
+        (_, r) => this.#toY(r),
+      )}${path(
         reversed(outline),
         (x) => toX(x + shift),
         (_, r) => this.#toY(-r),

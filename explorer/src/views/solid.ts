@@ -5,8 +5,8 @@ import {
   DoubleSide,
   Group,
   HemisphereLight,
-  LineSegments,
   LineBasicMaterial,
+  LineSegments,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
@@ -66,21 +66,21 @@ export class Solid {
   #firstLabel = 0;
 
   /** Throws when the browser has no WebGL. */
-  constructor(stage: HTMLElement, triangles: Uint32Array) {
+  constructor(stage: HTMLElement) {
     this.#stage = stage;
     this.#renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
     const canvas = this.#renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "Capsule in the channel, in space. Drag or use the arrow keys to turn, + and − to zoom.");
+    canvas.setAttribute(
+      "aria-label",
+      "Capsule in the channel, in space. Drag or use the arrow keys to turn, + and − to zoom.",
+    );
     this.#labels = document.createElement("div");
     this.#labels.className = "ring-labels";
     this.#labels.ariaHidden = "true";
     stage.replaceChildren(canvas, this.#labels);
 
-    const index = new BufferAttribute(triangles, 1);
-    this.#capsule.geometry.setIndex(index);
-    this.#initial.geometry.setIndex(index);
     this.#initial.renderOrder = 2;
     this.#surface.polygonOffset = true;
     this.#surface.polygonOffsetFactor = 1;
@@ -95,7 +95,14 @@ export class Solid {
     const rim = new DirectionalLight(0xffffff, 0.7);
     rim.position.set(6, -2, -5);
     this.#scene.add(new HemisphereLight(0xffffff, 0x8a98a3, 1.5), key, rim);
-    this.#scene.add(this.#capsule, this.#initial, this.#edges, this.#rings, ...Object.values(this.#cuts), this.#walls());
+    this.#scene.add(
+      this.#capsule,
+      this.#initial,
+      this.#edges,
+      this.#rings,
+      ...Object.values(this.#cuts),
+      this.#walls(),
+    );
 
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.enablePan = false;
@@ -114,6 +121,14 @@ export class Solid {
       this.#frameCapsule();
       this.#render();
     });
+  }
+
+  /** Sets the surface's triangles, which all positions that follow refer to. */
+  setTriangles(triangles: Uint32Array): void {
+    for (const mesh of [this.#capsule, this.#initial]) {
+      mesh.geometry.dispose();
+      mesh.geometry = new BufferGeometry().setIndex(new BufferAttribute(triangles, 1));
+    }
   }
 
   /** Takes the colours of the theme; call it again when the theme changes. */
@@ -185,7 +200,14 @@ export class Solid {
       const alpha: number[] = [];
       for (let i = 0; i < 4; i++) {
         for (let x = -REACH; x < REACH; x++) {
-          along.push(x, corners[2 * i] ?? 0, corners[2 * i + 1] ?? 0, x + 1, corners[2 * i] ?? 0, corners[2 * i + 1] ?? 0);
+          along.push(
+            x,
+            corners[2 * i] ?? 0,
+            corners[2 * i + 1] ?? 0,
+            x + 1,
+            corners[2 * i] ?? 0,
+            corners[2 * i + 1] ?? 0,
+          );
           alpha.push(1, 1, 1, fadeOut(x), 1, 1, 1, fadeOut(x + 1));
         }
       }
@@ -261,7 +283,7 @@ export class Solid {
       span.style.opacity = String(Math.abs(at.x) < 1 && Math.abs(at.y) < 1 ? fade : 0);
       span.style.transform = `translate(-50%, -50%) translate(${(((at.x + 1) * this.#width) / 2).toFixed(1)}px, ${(((1 - at.y) * this.#height) / 2).toFixed(1)}px)`;
     });
-    this.#stage.dataset["rendered"] = "true";
+    this.#stage.dataset.rendered = "true";
   }
 }
 

@@ -1,0 +1,241 @@
+import { type Capsule, type Outline, text } from "../model/capsule";
+import { notify, tieParameters } from "../panels/parameters";
+import { Readouts } from "../panels/readouts";
+import { TimeAxis } from "../panels/time-axis";
+import { tieTransport } from "../panels/transport";
+import { cutPoints, loopPoints } from "../views/cuts";
+import { Longitudinal } from "../views/longitudinal";
+import { ParameterMap } from "../views/map";
+import { type Cut, Solid, type SolidScene } from "../views/solid";
+import { Transversal } from "../views/transversal";
+import { element, html } from "./page";
+import type { Quantity, State, Store, View } from "./state";
+import { Visibility } from "./visibility";
+
+const OUTLINES: readonly Outline[] = ["midplane", "diagonal"];
+
+/** The open model on screen: after each change one frame, in which every visible part asks the core for what it shows. */
+export class Workbench {
+  readonly #store: Store;
+  readonly #map: ParameterMap;
+  readonly #readouts: Readouts;
+  readonly #time: TimeAxis;
+  readonly #solid: Solid | undefined;
+  readonly #sections: Record<Outline, Longitudinal>;
+  readonly #transversal: Transversal;
+  readonly #visible: Visibility;
+  #capsule: Capsule | undefined;
+  #frame = 0;
+  #lastFrame = 0;
+  #plotted = "";
+
+  constructor(store: Store) {
+    this.#store = store;
+    this.#map = new ParameterMap(element("map", HTMLElement), (point) => store.set({ ...point, extrapolate: false }));
+    const announcement = element("announcement", HTMLElement);
+    this.#readouts = new Readouts(element("readouts", HTMLElement), announcement, (trace) => store.set({ trace }));
+    const slider = element("time", HTMLInputElement);
+    this.#time = new TimeAxis(element("track", HTMLElement), slider, (t) => store.set({ t }));
+    this.#solid = solid();
+    const onSection = (section: number) => store.set({ section: Math.min(1.5, Math.max(-1.5, section)) });
+    this.#sections = {
+      midplane: new Longitudinal(element("midplane", HTMLElement), "plane z = 0", 1, onSection),
+      diagonal: new Longitudinal(element("diagonal", HTMLElement), "diagonal plane y = z", Math.SQRT2, onSection),
+    };
+    this.#transversal = new Transversal(element("transversal", HTMLElement));
+    this.#visible = new Visibility(document.querySelectorAll("figure[data-view]"), () => this.#request());
+
+    tieParameters(store);
+    tieTransport(store);
+    element("reset-camera", HTMLButtonElement).addEventListener("click", () => this.#solid?.resetCamera());
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#solid?.recolour());
+    store.subscribe(() => this.#request());
+  }
+
+  /** Puts a model on screen, in place of the one before. */
+  open(capsule: Capsule): void {
+    this.#capsule?.free();
+    this.#capsule = capsule;
+    this.#plotted = "";
+    const { model } = capsule;
+    const [caLeast = 0, caMost = 1, confinementLeast = 0, confinementMost = 1] = model.ranges();
+    const end = model.endTime;
+    this.#map.setDomain({
+      caRange: [caLeast, caMost],
+      confinementRange: [confinementLeast, confinementMost],
+      samples: model.samples(),
+      steadyLimit: model.steadyLimit(),
+      end,
+    });
+    this.#time.setEnd(end);
+    this.#solid?.setTriangles(model.triangles());
+    this.#store.set({ end, t: Math.min(Math.max(this.#store.state.t, 0), end), playing: false });
+    this.#request();
+  }
+
+  #request(): void {
+    if (this.#frame === 0) this.#frame = requestAnimationFrame((time) => this.#onFrame(time));
+  }
+
+  #onFrame(time: number): void {
+    this.#frame = 0;
+    const { state } = this.#store;
+    if (state.playing) {
+      // A page that was in the background goes on from where it was.
+      const elapsed = this.#lastFrame === 0 ? 0 : Math.min(time - this.#lastFrame, 100) / 1000;
+      const t = Math.min(state.t + elapsed * state.speed, state.end);
+      this.#lastFrame = time;
+      this.#store.set({ t, playing: t < state.end });
+      this.#request();
+    } else {
+      this.#lastFrame = 0;
+    }
+    if (this.#capsule !== undefined) this.#draw(this.#capsule, this.#store.state);
+  }
+
+  #draw(capsule: Capsule, state: State): void {
+    this.#map.show(state);
+    this.#readouts.mark(state.trace);
+    const answered = this.#prepare(capsule, state);
+    document.body.dataset.answer = answered ? "given" : "refused";
+    this.#plot(capsule, state, answered);
+    if (!answered) {
+      this.#readouts.show(undefined);
+      this.#time.show(state.t, undefined);
+      return;
+    }
+    capsule.now.goTo(state.t);
+    this.#readouts.show((quantity) => capsule.read(quantity));
+    this.#time.show(state.t, capsule.read(state.trace));
+    this.#drawFigures(capsule, state);
+    if (!state.playing) {
+      this.#readouts.announce(`Ca ${state.ca}, a/l ${state.confinement}, time ${state.t.toFixed(2)}`);
+    }
+  }
+
+  /** Sets the query; when the core refuses it, its words and a way out are shown. */
+  #prepare(capsule: Capsule, state: State): boolean {
+    const [ca = 0, confinement = 0] = capsule.model.nearest(state.ca, state.confinement);
+    const nearest = {
+      label: `Go to the nearest point inside, ${ca}, ${confinement}`,
+      run: () => this.#store.set({ ca, confinement, extrapolate: false }),
+    };
+    try {
+      const domain = capsule.prepare(state);
+      if (domain === "inside") {
+        notify(undefined);
+      } else {
+        const where = domain === "outside" ? "outside the sampled range" : "beyond the largest steady Ca";
+        notify(`Extrapolated: these parameters lie ${where}, so no figure here is backed by the model.`, [nearest]);
+      }
+      return true;
+    } catch (error) {
+      const extrapolate = { label: "Extrapolate", run: () => this.#store.set({ extrapolate: true }) };
+      const words = text(error);
+      const positive = state.ca > 0 && state.confinement > 0;
+      notify(`${words.charAt(0).toUpperCase()}${words.slice(1)}.`, positive ? [nearest, extrapolate] : [nearest]);
+      return false;
+    }
+  }
+
+  /** Plots the chosen read-out when the query or the choice has changed. */
+  #plot(capsule: Capsule, state: State, answered: boolean): void {
+    const { ca, confinement, method, extrapolate, trace } = state;
+    const wanted = JSON.stringify([ca, confinement, method, extrapolate, trace, answered]);
+    if (wanted === this.#plotted) return;
+    this.#plotted = wanted;
+    const read = (t: number) => capsule.readAt(t, trace);
+    this.#time.plot(trace, answered ? read : undefined);
+  }
+
+  #drawFigures(capsule: Capsule, state: State): void {
+    const { now } = capsule;
+    const shown = (view: View) => state.views.has(view);
+    const seen = (view: View) => shown(view) && this.#visible.has(figure(view));
+    const centroid = now.centroid();
+    const needsSection = seen("transversal") || (seen("solid") && shown("transversal"));
+    const section = needsSection ? now.transversal(state.section) : undefined;
+    const curves = section === undefined ? [] : split(section.points, section.lengths);
+    section?.free();
+
+    const outlines = new Map<Outline, Float64Array>();
+    for (const name of OUTLINES) {
+      if (seen(name) || (seen("solid") && shown(name))) outlines.set(name, now.outline(name));
+    }
+    for (const name of OUTLINES) {
+      const outline = outlines.get(name);
+      if (outline === undefined || !seen(name)) continue;
+      this.#sections[name].draw({
+        outline,
+        initial: state.initial ? capsule.initialOutline(name) : undefined,
+        centroid,
+        frame: state.frame,
+        section: shown("transversal") ? state.section : undefined,
+      });
+    }
+    if (seen("transversal")) {
+      this.#transversal.draw({ curves, midplane: shown("midplane"), diagonal: shown("diagonal") });
+    }
+    if (this.#solid !== undefined && seen("solid")) {
+      const cuts: { plane: Cut; points: Float32Array }[] = [];
+      for (const [name, outline] of outlines) {
+        if (shown(name)) cuts.push({ plane: name, points: cutPoints(outline, centroid, name) });
+      }
+      const [outer] = curves;
+      if (outer !== undefined) cuts.push({ plane: "transversal", points: loopPoints(outer, state.section) });
+      const scene: SolidScene = {
+        positions: now.surface(),
+        initial: state.initial ? capsule.initialSurface() : undefined,
+        centroid,
+        frame: state.frame,
+        cuts,
+      };
+      this.#solid.draw(scene);
+    }
+  }
+
+  /** The numbers on screen, for scripts that drive the page. */
+  read(): Record<string, number | string | boolean> {
+    const { state } = this.#store;
+    const figures = Object.fromEntries(
+      [...document.querySelectorAll<HTMLOutputElement>("output[data-value]")].map((output) => [
+        output.dataset.quantity as Quantity,
+        Number(output.dataset.value),
+      ]),
+    );
+    return { ca: state.ca, confinement: state.confinement, t: state.t, method: state.method, ...figures };
+  }
+}
+
+function figure(view: View): Element {
+  const found = document.querySelector(`figure[data-view="${view}"]`);
+  if (found === null) throw new Error(`index.html has no figure for the view ${view}`);
+  return found;
+}
+
+/** The space view, or a word of explanation in its place: everything else works without WebGL. */
+function solid(): Solid | undefined {
+  const stage = element("solid", HTMLElement);
+  try {
+    return new Solid(stage);
+  } catch {
+    stage.replaceChildren(
+      html("p", {
+        className: "missing",
+        textContent:
+          "This view needs WebGL, which this browser does not offer. The sections and all figures work without it; " +
+          "to see the capsule in space, turn on hardware acceleration or use another browser.",
+      }),
+    );
+    return undefined;
+  }
+}
+
+function split(points: Float64Array, lengths: Uint32Array): Float64Array[] {
+  let start = 0;
+  return [...lengths].map((length) => {
+    const curve = points.subarray(2 * start, 2 * (start + length));
+    start += length;
+    return curve;
+  });
+}

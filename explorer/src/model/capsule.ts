@@ -1,0 +1,159 @@
+import type { Method, Quantity, State } from "../app/state";
+import initialise, { type Evaluation, Model } from "../wasm/capsule_wasm";
+import wasmAddress from "../wasm/capsule_wasm_bg.wasm?url";
+
+/** Why there is no model to show, and what would help. */
+export class ModelError extends Error {
+  readonly remedy: string;
+
+  constructor(message: string, remedy: string) {
+    super(message);
+    this.remedy = remedy;
+  }
+}
+
+export type Outline = "midplane" | "diagonal";
+export type Domain = "inside" | "beyond-steady-limit" | "outside";
+
+/** The parameters that determine a motion. */
+export type Query = Pick<State, "ca" | "confinement" | "method" | "extrapolate">;
+
+/** A model and the answers to the query that is on screen. Everything is computed by the core, when it is asked for. */
+export class Capsule {
+  readonly model: Model;
+  readonly bytes: number;
+  /** The instant on screen. */
+  readonly now: Evaluation;
+  /** Other instants of the same query: the start, and the time axis. */
+  readonly #elsewhere: Evaluation;
+  #query: Query | undefined;
+  #domain: Domain = "inside";
+  #initialSurface: Float32Array | undefined;
+  readonly #initialOutlines = new Map<Outline, Float64Array>();
+
+  private constructor(model: Model, bytes: number) {
+    this.model = model;
+    this.bytes = bytes;
+    this.now = model.evaluation();
+    this.#elsewhere = model.evaluation();
+  }
+
+  /** Opens the bytes of a model file; throws a `ModelError`. */
+  static async open(bytes: Uint8Array, name: string): Promise<Capsule> {
+    await initialise({ module_or_path: wasmAddress });
+    try {
+      return new Capsule(Model.open(bytes), bytes.length);
+    } catch (error) {
+      throw new ModelError(
+        `${name} is not a model that can be read: ${text(error)}.`,
+        "Open a .crom file that `capsule-rom offline build` wrote, or copy this one again.",
+      );
+    }
+  }
+
+  /** Fetches and opens a model; throws a `ModelError`. */
+  static async fetch(address: URL): Promise<Capsule> {
+    const name = address.pathname.split("/").at(-1) ?? address.pathname;
+    if (address.origin !== window.location.origin) {
+      throw new ModelError(
+        `The model ${address.href} lies on another server.`,
+        "Put it beside this page, or download it and open it from your disk.",
+      );
+    }
+    let response: Response;
+    try {
+      response = await fetch(address);
+    } catch (error) {
+      throw new ModelError(
+        `The model ${name} could not be fetched: ${text(error)}.`,
+        "See whether the server still runs, then load the page again.",
+      );
+    }
+    if (!response.ok) {
+      throw new ModelError(
+        `The model ${name} is missing: the server answered ${response.status} for ${address.pathname}.`,
+        "Build the page with `cargo xtask explore`, which puts the model beside it, or open a .crom file from your disk.",
+      );
+    }
+    return Capsule.open(new Uint8Array(await response.arrayBuffer()), name);
+  }
+
+  /** Sets the query; throws with the core's words when it is refused. */
+  prepare(query: Query): Domain {
+    const same =
+      this.#query !== undefined &&
+      query.ca === this.#query.ca &&
+      query.confinement === this.#query.confinement &&
+      query.method === this.#query.method &&
+      query.extrapolate === this.#query.extrapolate;
+    if (!same) {
+      this.#query = undefined;
+      this.#initialSurface = undefined;
+      this.#initialOutlines.clear();
+      this.#domain = prepare(this.now, query);
+      this.#query = query;
+    }
+    return this.#domain;
+  }
+
+  /** Vertices at t = 0, relative to the centroid. */
+  initialSurface(): Float32Array {
+    this.#initialSurface ??= this.#at(0).surface();
+    return this.#initialSurface;
+  }
+
+  /** An outline at t = 0. */
+  initialOutline(name: Outline): Float64Array {
+    const outline = this.#initialOutlines.get(name) ?? this.#at(0).outline(name);
+    this.#initialOutlines.set(name, outline);
+    return outline;
+  }
+
+  /** A read-out at another instant. */
+  readAt(t: number, quantity: Quantity): number {
+    return read(this.#at(t), quantity);
+  }
+
+  /** A read-out at the instant on screen. */
+  read(quantity: Quantity): number {
+    return read(this.now, quantity);
+  }
+
+  free(): void {
+    this.now.free();
+    this.#elsewhere.free();
+    this.model.free();
+  }
+
+  #at(t: number): Evaluation {
+    if (this.#query !== undefined) {
+      prepare(this.#elsewhere, this.#query);
+    }
+    this.#elsewhere.goTo(t);
+    return this.#elsewhere;
+  }
+}
+
+function prepare(evaluation: Evaluation, { ca, confinement, method, extrapolate }: Query): Domain {
+  return evaluation.prepare(ca, confinement, method satisfies Method, extrapolate) as Domain;
+}
+
+function read(evaluation: Evaluation, quantity: Quantity): number {
+  switch (quantity) {
+    case "volume":
+      return evaluation.volume();
+    case "expected_error":
+      return evaluation.expectedError();
+    default: {
+      const readings = evaluation.readings();
+      const value = readings[quantity];
+      readings.free();
+      return value;
+    }
+  }
+}
+
+/** The words of anything thrown, without a closing full stop. */
+export function text(error: unknown): string {
+  return (error instanceof Error ? error.message : String(error)).replace(/\.$/, "");
+}

@@ -1,0 +1,19 @@
+import { html } from "../app/page";
+import type { Capsule } from "../model/capsule";
+
+/** What is computed with: every figure on the page belongs to the model with this digest. */
+export function describe(list: HTMLElement, { model, bytes }: Capsule): void {
+  const created = new Date(model.createdUnixS * 1000).toISOString().slice(0, 10);
+  const entries: [name: string, value: string, hint: string][] = [
+    ["Model", model.digest, `${model.title}. Database ${model.databaseDigest}, made on ${created}`],
+    ["Samples", String(model.samples().length / 2), "Full-order simulations that the model was made from"],
+    ["Membrane", model.membraneLaw, "Constitutive law of the membrane"],
+    ["Size", `${(bytes / 1e6).toFixed(2)} MB`, `${model.nodeCount} nodes on the membrane`],
+  ];
+  list.replaceChildren(
+    ...entries.map(([name, value, hint]) =>
+      html("div", { title: hint }, html("dt", { textContent: name }), html("dd", { textContent: value })),
+    ),
+  );
+  list.dataset.digest = model.digest;
+}

@@ -1,0 +1,28 @@
+import type { Quantity } from "../app/state";
+
+/** How a read-out is named and written. */
+export interface Presentation {
+  readonly name: string;
+  readonly unit: string;
+  /** The section plane that it is measured in. */
+  readonly plane?: "midplane" | "diagonal";
+  /** From the core's number to the one that is shown. */
+  readonly scale: number;
+  readonly digits: number;
+}
+
+export const PRESENTATION: Record<Quantity, Presentation> = {
+  axial_length: { name: "Axial length", unit: "ℓ", scale: 1, digits: 4 },
+  half_width: { name: "Half width", unit: "ℓ", plane: "midplane", scale: 1, digits: 4 },
+  half_diagonal: { name: "Half diagonal", unit: "ℓ", plane: "diagonal", scale: 1, digits: 4 },
+  rear_depth: { name: "Rear depth", unit: "ℓ", scale: 1, digits: 4 },
+  velocity: { name: "Velocity", unit: "V", scale: 1, digits: 4 },
+  volume: { name: "Volume", unit: "ℓ³", scale: 1, digits: 4 },
+  expected_error: { name: "Expected error", unit: "% a", scale: 100, digits: 3 },
+};
+
+/** A number as its read-out shows it. */
+export function written(quantity: Quantity, value: number): string {
+  const { scale, digits } = PRESENTATION[quantity];
+  return (value * scale).toFixed(digits).replace("-", "−");
+}

@@ -1,0 +1,151 @@
+import type { Quantity } from "../app/state";
+import { label, onResize, path, set, svg, ticks } from "../views/svg";
+import { PRESENTATION, written } from "./quantities";
+
+/** Instants that the curve is drawn through, and how long one frame may spend on computing them. */
+const INSTANTS = 101;
+const BUDGET_MS = 5;
+/** Half the thumb: the range input's ends lie this far inside its box. */
+const INSET = 7;
+const AXIS = 20;
+
+/** The time slider, with the course of one read-out behind it. The curve is computed in the gaps between frames. */
+export class TimeAxis {
+  readonly #input: HTMLInputElement;
+  readonly #track: HTMLElement;
+  readonly #svg: SVGSVGElement;
+  readonly #axis: SVGGElement;
+  readonly #curve: SVGPathElement;
+  readonly #cursor: SVGLineElement;
+  readonly #dot: SVGCircleElement;
+  readonly #span: SVGTextElement;
+  #end = 1;
+  #width = 0;
+  #height = 0;
+  #t = 0;
+  #values: number[] = [];
+  #quantity: Quantity = "axial_length";
+  #job = 0;
+
+  constructor(track: HTMLElement, input: HTMLInputElement, onTime: (t: number) => void) {
+    this.#track = track;
+    this.#input = input;
+    input.addEventListener("input", () => onTime(input.valueAsNumber));
+    // An arrow key steps by a tenth instead of the browser's "any".
+    input.addEventListener("keydown", (event) => {
+      const steps: Record<string, number> = { ArrowRight: 0.1, ArrowUp: 0.1, ArrowLeft: -0.1, ArrowDown: -0.1 };
+      const step = steps[event.key];
+      if (step === undefined) return;
+      onTime(stepped(this.#t, event.shiftKey ? step / 5 : step, this.#end));
+      event.preventDefault();
+      event.stopPropagation();
+    });
+    this.#svg = svg("svg", { "aria-hidden": "true" });
+    this.#axis = svg("g", { class: "axis" }, this.#svg);
+    this.#curve = svg("path", { class: "trace" }, this.#svg);
+    this.#cursor = svg("line", { class: "cursor" }, this.#svg);
+    this.#dot = svg("circle", { class: "now", r: 4 }, this.#svg);
+    this.#span = svg("text", { class: "span", "text-anchor": "end" }, this.#svg);
+    track.prepend(this.#svg);
+    onResize(track, (width, height) => {
+      this.#width = width;
+      this.#height = height;
+      this.#layOut();
+      this.#drawCurve();
+      this.show(this.#t, undefined);
+    });
+  }
+
+  /** Sets the length of the axis. */
+  setEnd(end: number): void {
+    if (end === this.#end) return;
+    this.#end = end;
+    this.#input.max = String(end);
+    if (this.#width > 0) this.#layOut();
+  }
+
+  /** Moves the cursor; `value` is the plotted read-out now. */
+  show(t: number, value: number | undefined): void {
+    this.#t = t;
+    if (this.#input.valueAsNumber !== t) this.#input.valueAsNumber = t;
+    this.#input.ariaValueText = `${t.toFixed(2)} l/V`;
+    if (this.#width === 0) return;
+    const x = this.#toX(t);
+    set(this.#cursor, { x1: x, x2: x, y1: 2, y2: this.#height - AXIS });
+    this.#dot.toggleAttribute("hidden", value === undefined || this.#values.length < 2);
+    if (value !== undefined) set(this.#dot, { cx: x, cy: this.#toY(value) });
+  }
+
+  /** Plots another course: `read` gives the value at an instant. A course that was under way is dropped. */
+  plot(quantity: Quantity, read: ((t: number) => number) | undefined): void {
+    cancelAnimationFrame(this.#job);
+    this.#quantity = quantity;
+    this.#track.dataset.plane = PRESENTATION[quantity].plane ?? "";
+    this.#values = [];
+    if (read === undefined) {
+      this.#drawCurve();
+      return;
+    }
+    const work = () => {
+      const start = performance.now();
+      while (this.#values.length < INSTANTS && performance.now() - start < BUDGET_MS) {
+        this.#values.push(read((this.#end * this.#values.length) / (INSTANTS - 1)));
+      }
+      this.#drawCurve();
+      if (this.#values.length < INSTANTS) this.#job = requestAnimationFrame(work);
+    };
+    this.#job = requestAnimationFrame(work);
+  }
+
+  readonly #toX = (t: number) => INSET + (t / this.#end) * (this.#width - 2 * INSET);
+
+  readonly #toY = (value: number) => {
+    const [low, high] = this.#range();
+    const [top, bottom] = [8, this.#height - AXIS - 5];
+    return bottom - ((value - low) / (high - low)) * (bottom - top);
+  };
+
+  /** The values' range, never narrower than what the read-out's digits can tell apart. */
+  #range(): [number, number] {
+    const [low, high] = [Math.min(...this.#values), Math.max(...this.#values)];
+    const { scale, digits } = PRESENTATION[this.#quantity];
+    const least = 20 / (scale * 10 ** digits);
+    const spare = Math.max(0, least - (high - low)) / 2;
+    return [low - spare, high + spare];
+  }
+
+  #layOut(): void {
+    const bottom = this.#height - AXIS;
+    set(this.#svg, { viewBox: `0 0 ${this.#width} ${this.#height}` });
+    const step = this.#width > 480 ? 1 : 5;
+    const every = this.#width > 760 ? 2 : 5;
+    const parts: Element[] = [svg("path", { d: `M${INSET} ${bottom}H${this.#width - INSET}`, fill: "none" })];
+    for (const t of ticks(0, this.#end, step)) {
+      const x = this.#toX(t);
+      const named = t % every === 0;
+      parts.push(svg("line", { x1: x, x2: x, y1: bottom, y2: bottom + (named ? 5 : 3) }));
+      if (named) {
+        const text = svg("text", { x, y: bottom + 17, "text-anchor": "middle" });
+        text.textContent = label(t);
+        parts.push(text);
+      }
+    }
+    this.#axis.replaceChildren(...parts);
+    set(this.#span, { x: this.#width - INSET, y: 9 });
+  }
+
+  #drawCurve(): void {
+    if (this.#width === 0) return;
+    const values = this.#values;
+    const points = values.flatMap((value, i) => [(this.#end * i) / (INSTANTS - 1), value]);
+    set(this.#curve, { d: values.length > 1 ? path(points, this.#toX, (_, value) => this.#toY(value)) : "" });
+    const { name, unit } = PRESENTATION[this.#quantity];
+    const [least, most] = [Math.min(...values), Math.max(...values)].map((value) => written(this.#quantity, value));
+    this.#span.textContent = values.length === INSTANTS ? `${name}, ${least} to ${most} ${unit}` : name;
+  }
+}
+
+/** A step along time, to a whole hundredth and within the model's span. */
+export function stepped(t: number, step: number, end: number): number {
+  return Math.min(end, Math.max(0, Number((t + step).toFixed(2))));
+}

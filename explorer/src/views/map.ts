@@ -1,0 +1,229 @@
+import { hatch, label, onResize, set, svg, ticks } from "./svg";
+
+/** What the map knows of the model. */
+export interface Domain {
+  readonly caRange: Span;
+  readonly confinementRange: Span;
+  /** Ca, a/l, Ca, a/l, ... */
+  readonly samples: Float64Array;
+  /** a/l, largest steady Ca, a/l, ... by rising a/l. */
+  readonly steadyLimit: Float64Array;
+  /** Time by which a steady state must be reached. */
+  readonly end: number;
+}
+
+type Span = readonly [number, number];
+
+interface Point {
+  readonly ca: number;
+  readonly confinement: number;
+}
+
+const NONE = new Float64Array();
+const INSET = { left: 44, right: 10, top: 8, bottom: 40 };
+/** Steps of the keys and of the mouse; with Shift, a fifth of them. */
+const STEP: Point = { ca: 0.005, confinement: 0.01 };
+
+/** The plane of the parameters: sampled points, the region with a steady state, and the current choice to drag. */
+export class ParameterMap {
+  #domain: Domain = { caRange: [0, 1], confinementRange: [0, 1], samples: NONE, steadyLimit: NONE, end: 0 };
+  readonly #onChoice: (point: Point) => void;
+  readonly #svg: SVGSVGElement;
+  readonly #ground: SVGGElement;
+  readonly #guides: SVGPathElement;
+  readonly #handle: SVGCircleElement;
+  readonly #ring: SVGCircleElement;
+  readonly #grip: SVGCircleElement;
+  readonly #fill: string;
+  #caSpan: Span = [0, 1];
+  #confinementSpan: Span = [0, 1];
+  #width = 0;
+  #height = 0;
+  #point: Point = { ca: 0, confinement: 0 };
+
+  constructor(stage: HTMLElement, onChoice: (point: Point) => void) {
+    this.#onChoice = onChoice;
+    this.#svg = svg("svg");
+    this.#svg.setAttribute("role", "group");
+    this.#svg.setAttribute("aria-label", "Map of the parameter domain");
+    this.#fill = hatch(this.#svg, "hatch-map");
+    this.#ground = svg("g", { class: "axis" }, this.#svg);
+    this.#guides = svg("path", { class: "guide", fill: "none" }, this.#svg);
+    const surface = svg("rect", { class: "surface", width: "100%", height: "100%", id: "map-surface" }, this.#svg);
+    this.#handle = svg("circle", { class: "point", r: 8, tabindex: 0, role: "slider" }, this.#svg);
+    this.#ring = svg("circle", { class: "focus-ring", r: 12 }, this.#svg);
+    // What a finger takes hold of is larger than what is seen.
+    this.#grip = svg("circle", { class: "grip", r: 22 }, this.#svg);
+    set(this.#handle, {
+      id: "map-point",
+      "aria-label": "Capillary number and confinement; arrow keys move, with Shift in finer steps",
+      "aria-orientation": "horizontal",
+    });
+    stage.replaceChildren(this.#svg);
+    onResize(stage, (width, height) => {
+      this.#width = width;
+      this.#height = height;
+      this.#layOut();
+      this.show(this.#point);
+    });
+    for (const target of [surface, this.#grip] as SVGGraphicsElement[]) {
+      target.addEventListener("pointerdown", (event) => this.#grasp(event, target));
+      target.addEventListener("pointermove", (event) => {
+        if (target.hasPointerCapture(event.pointerId)) this.#choose(event);
+      });
+    }
+    surface.addEventListener("click", (event) => this.#choose(event));
+    this.#handle.addEventListener("keydown", (event) => this.#step(event));
+  }
+
+  /** Draws the domain of a model. */
+  setDomain(domain: Domain): void {
+    const [caLeast, caMost] = domain.caRange;
+    const [least, most] = domain.confinementRange;
+    const margin = 0.07 * (most - least);
+    this.#domain = domain;
+    this.#caSpan = [0, caMost + 0.06 * (caMost - caLeast)];
+    this.#confinementSpan = [least - margin, most + margin];
+    set(this.#handle, { "aria-valuemin": String(this.#caSpan[0]), "aria-valuemax": String(this.#caSpan[1]) });
+    if (this.#width > 0) this.#layOut();
+  }
+
+  /** Moves the current point. */
+  show(point: Point): void {
+    this.#point = point;
+    if (this.#width === 0) return;
+    const x = clamp(this.#toX(point.ca), INSET.left, this.#width - INSET.right);
+    const y = clamp(this.#toY(point.confinement), INSET.top, this.#height - INSET.bottom);
+    for (const circle of [this.#handle, this.#ring, this.#grip]) {
+      set(circle, { cx: x, cy: y });
+    }
+    set(this.#guides, { d: `M${INSET.left} ${y}H${x}V${this.#height - INSET.bottom}` });
+    set(this.#handle, {
+      "aria-valuenow": String(clamp(point.ca, ...this.#caSpan)),
+      "aria-valuetext": `Ca ${short(point.ca)}, a/l ${short(point.confinement)}`,
+    });
+  }
+
+  readonly #toX = (ca: number) => {
+    const [from, to] = this.#caSpan;
+    return INSET.left + ((ca - from) / (to - from)) * (this.#width - INSET.left - INSET.right);
+  };
+
+  readonly #toY = (confinement: number) => {
+    const [from, to] = this.#confinementSpan;
+    const bottom = this.#height - INSET.bottom;
+    return bottom - ((confinement - from) / (to - from)) * (bottom - INSET.top);
+  };
+
+  #layOut(): void {
+    const { caRange, confinementRange, samples, steadyLimit } = this.#domain;
+    if (steadyLimit.length === 0) return;
+    const [toX, toY] = [this.#toX, this.#toY];
+    const [left, right, top] = [INSET.left, this.#width - INSET.right, INSET.top];
+    const bottom = this.#height - INSET.bottom;
+    set(this.#svg, { viewBox: `0 0 ${this.#width} ${this.#height}` });
+
+    const border: string[] = [];
+    for (let i = 0; i + 1 < steadyLimit.length; i += 2) {
+      border.push(`${toX(steadyLimit[i + 1] ?? 0).toFixed(2)} ${toY(steadyLimit[i] ?? 0).toFixed(2)}`);
+    }
+    const [least, most] = caRange.map(toX) as unknown as Span;
+    const [low, high] = confinementRange.map(toY) as unknown as Span;
+    const parts: Element[] = [
+      svg("rect", { class: "unsteady", x: least, y: high, width: most - least, height: low - high, fill: this.#fill }),
+      svg("path", { class: "steady", d: `M${least} ${low}L${border.join("L")}L${least} ${high}Z` }),
+      svg("rect", { class: "border", x: least, y: high, width: most - least, height: low - high }),
+      svg("path", { class: "limit", d: `M${border.join("L")}` }),
+    ];
+    for (let i = 0; i + 1 < samples.length; i += 2) {
+      parts.push(svg("circle", { class: "sample", cx: toX(samples[i] ?? 0), cy: toY(samples[i + 1] ?? 0), r: 1.4 }));
+    }
+    parts.push(svg("path", { d: `M${left} ${top}V${bottom}H${right}`, fill: "none" }));
+    const steps = { ca: (this.#caSpan[1] > 0.3 ? 2 : 1) * 0.05, confinement: 0.1 };
+    for (const ca of ticks(...this.#caSpan, steps.ca)) {
+      parts.push(svg("line", { x1: toX(ca), x2: toX(ca), y1: bottom, y2: bottom + 4 }));
+      parts.push(written(svg("text", { x: toX(ca), y: bottom + 17, "text-anchor": "middle" }), label(ca)));
+    }
+    for (const confinement of ticks(...this.#confinementSpan, steps.confinement)) {
+      const y = toY(confinement);
+      parts.push(svg("line", { x1: left - 4, x2: left, y1: y, y2: y }));
+      parts.push(written(svg("text", { x: left - 8, y: y + 4, "text-anchor": "end" }), confinement.toFixed(1)));
+    }
+    const middle = (left + right) / 2;
+    const ca = svg("text", { class: "axis-name symbol", x: middle, y: this.#height - 4, "text-anchor": "middle" });
+    const confinement = svg("text", { class: "axis-name symbol", "text-anchor": "middle" });
+    confinement.setAttribute("transform", `translate(12 ${(top + bottom) / 2}) rotate(-90)`);
+    parts.push(written(ca, "Ca"), written(confinement, "a/ℓ"), ...this.#regionNames());
+    this.#ground.replaceChildren(...parts);
+  }
+
+  /** The name of the region beyond the limit, in its far corner, where it has most room. */
+  #regionNames(): Element[] {
+    const x = this.#toX(this.#domain.caRange[1]) - 10;
+    const y = this.#toY(this.#domain.confinementRange[1]) + 22;
+    const line = (text: string, dy: number) =>
+      written(svg("text", { class: "region", x, y: y + dy, "text-anchor": "end" }), text);
+    return [line("no steady state", 0), line(`before t = ${this.#domain.end}`, 16)];
+  }
+
+  /** Begins to drag. A finger on the bare map may want to scroll the page: there it chooses by a tap. */
+  #grasp(event: PointerEvent, target: Element): void {
+    if (event.button !== 0 || (event.pointerType === "touch" && target !== this.#grip)) return;
+    target.setPointerCapture(event.pointerId);
+    event.preventDefault();
+    this.#handle.focus();
+    if (target !== this.#grip) this.#choose(event);
+  }
+
+  #choose(event: MouseEvent): void {
+    const box = this.#svg.getBoundingClientRect();
+    const fine = event.shiftKey ? 5 : 1;
+    const place = (pixels: number, size: number, [from, to]: Span) => from + clamp(pixels / size, 0, 1) * (to - from);
+    const [x, y] = [event.clientX - box.left - INSET.left, box.bottom - event.clientY - INSET.bottom];
+    const ca = place(x, this.#width - INSET.left - INSET.right, this.#caSpan);
+    const confinement = place(y, this.#height - INSET.top - INSET.bottom, this.#confinementSpan);
+    this.#onChoice({
+      ca: Math.max(rounded(ca, 0.001 / fine), 0.001),
+      confinement: rounded(confinement, 0.005 / fine),
+    });
+  }
+
+  #step(event: KeyboardEvent): void {
+    const directions: Record<string, [number, number]> = {
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowDown: [0, -1],
+      ArrowUp: [0, 1],
+    };
+    const direction = directions[event.key];
+    if (direction === undefined) return;
+    const share = event.shiftKey ? 0.2 : 1;
+    const { ca, confinement } = this.#point;
+    this.#onChoice({
+      ca: clamp(rounded(ca + direction[0] * STEP.ca * share, 0.001), 0.001, this.#caSpan[1]),
+      confinement: clamp(
+        rounded(confinement + direction[1] * STEP.confinement * share, 0.002),
+        ...this.#confinementSpan,
+      ),
+    });
+    event.preventDefault();
+    event.stopPropagation();
+  }
+}
+
+function written<E extends Element>(element: E, text: string): E {
+  element.textContent = text;
+  return element;
+}
+
+function clamp(value: number, low: number, high: number): number {
+  return Math.min(high, Math.max(low, value));
+}
+
+function rounded(value: number, step: number): number {
+  return Number((Math.round(value / step) * step).toPrecision(10));
+}
+
+function short(value: number): string {
+  return String(Number(value.toPrecision(4)));
+}
