@@ -2,6 +2,8 @@
 //!
 //! Lengths in the capsule's radius a, time in 1 / (shear rate), `Ca = mu a (shear rate) / G_s`.
 
+use std::f64::consts::FRAC_PI_4;
+
 use crate::flow::{Background, FreeSpace};
 use crate::integrator::{State, StepError};
 use crate::parameters::positive;
@@ -98,10 +100,15 @@ pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome,
 }
 
 /// Taylor deformation and inclination of the ellipse with these second moments in the shear plane `(x, y)`.
+///
+/// A circle has no inclination; it gets that of the flow's extension, 45 degrees, the limit at short times.
 fn ellipse(moments: &Moments) -> (f64, f64) {
     let [[xx, xy, _], [_, yy, _], _] = moments.second;
     let (mean, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = half_difference.hypot(xy);
+    if radius < 1e-12 * mean {
+        return (0.0, FRAC_PI_4);
+    }
     let (long, short) = ((mean + radius).sqrt(), (mean - radius).max(0.0).sqrt());
     ((long - short) / (long + short), 0.5 * xy.atan2(half_difference))
 }
@@ -143,6 +150,9 @@ mod tests {
             assert!((deformation / exact - 1.0).abs() < 0.04, "{deformation} {exact}");
         }
         assert!(outcome.volume_drift < 1e-5);
+        // From the direction of extension it turns towards the flow.
+        assert_eq!(outcome.inclination[0], FRAC_PI_4);
+        assert!(outcome.inclination.windows(2).all(|pair| pair[1] < pair[0]));
     }
 
     #[test]

@@ -14,8 +14,8 @@ pub enum Scheme {
 /// Integration with a fixed step, shortened only to land on the asked instant.
 ///
 /// Both schemes are stable for `h rho <= 2` on a real negative spectrum of radius `rho`. As a membrane can also
-/// saturate an instability into a jagged surface without failing, the radius is estimated at the start, every
-/// [`CHECK_INTERVAL`] steps and when an evaluation fails.
+/// saturate an instability into a jagged surface without failing, the radius is estimated at the start, every few
+/// hundred steps and when an evaluation fails.
 #[derive(Debug, Clone)]
 pub struct FixedStep {
     scheme: Scheme,
@@ -27,7 +27,7 @@ pub struct FixedStep {
 }
 
 /// The number of steps from one check of the stability to the next.
-pub const CHECK_INTERVAL: usize = 500;
+const CHECK_INTERVAL: usize = 500;
 
 impl FixedStep {
     /// A scheme with a step `> 0`.
