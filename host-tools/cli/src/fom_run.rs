@@ -1,12 +1,12 @@
 //! `capsule-rom fom run`: one configuration of the full-order model.
 
 use crate::solver_options::SolverOptions;
-use crate::{interrupt, print};
+use crate::{interrupt, print, progress};
 use anyhow::{Result, bail};
-use capsule_database::{Database, Description, vtu};
+use capsule_database::{Database, vtu};
 use capsule_fom::{Configuration, Outcome, Progress, Solver, Status};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ pub fn run(options: &Options) -> Result<()> {
     let configuration = Configuration { capillary_number: options.ca, confinement: options.confinement };
     configuration.validate()?;
     let solver = Solver::new(options.solver.settings())?;
-    let bar = bar(options.quiet, solver.settings().end_time);
+    let bar = progress::bar(options.quiet, thousandths(solver.settings().end_time), "{bar:40} {msg}");
     let outcome = solver.run(&configuration, &mut |progress| {
         show(&bar, progress);
         interrupt::flow()
@@ -91,17 +91,13 @@ pub fn run(options: &Options) -> Result<()> {
     report(&outcome)
 }
 
-/// A bar over the simulated time; nothing when asked to be quiet or when the standard error is not a terminal.
-fn bar(quiet: bool, end_time: f64) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new((1000.0 * end_time) as u64).with_style(style)
+/// The bar counts thousandths of l/V.
+fn thousandths(t: f64) -> u64 {
+    (1000.0 * t) as u64
 }
 
 fn show(bar: &ProgressBar, progress: &Progress) {
-    bar.set_position((1000.0 * progress.t) as u64);
+    bar.set_position(thousandths(progress.t));
     bar.set_message(format!(
         "t = {:.3} of {}, {} steps, {} evaluations, normal velocity {:.1e}",
         progress.t, progress.end_time, progress.steps, progress.velocity_evaluations, progress.residual
@@ -191,8 +187,7 @@ fn write(folder: &Path, solver: &Solver, outcome: &Outcome) -> Result<()> {
         series.add(t, &mesh, &trajectory.positions[i], &[velocity])?;
     }
     series.finish()?;
-    let settings = solver.settings();
-    let description = Description::new(settings.snapshot_interval, settings.end_time, crate::fom_sweep::record(settings));
+    let description = crate::fom_sweep::description(solver.settings())?;
     Database::create(&folder.join("snapshots"), description, mesh)?.write(&trajectory)?;
     Ok(())
 }

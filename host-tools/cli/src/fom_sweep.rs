@@ -1,12 +1,12 @@
 //! `capsule-rom fom sweep`: a design of experiment, resumable, one file a configuration.
 
-use crate::interrupt;
+use crate::{interrupt, progress};
 use crate::solver_options::SolverOptions;
 use anyhow::{Context, Result, bail};
 use capsule_database::{Database, Description, Trajectory};
 use capsule_fom::{Configuration, Outcome, Settings, Solver, Status};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -75,11 +75,10 @@ pub fn run(options: &Options) -> Result<()> {
         bail!("--workers must be at least 1");
     }
     let solver = Solver::new(options.solver.settings())?;
-    let settings = solver.settings();
-    let description = Description::new(settings.snapshot_interval, settings.end_time, record(settings));
-    let database = Database::create(&options.database, description, database_mesh(&solver))?;
+    let database = Database::create(&options.database, description(solver.settings())?, database_mesh(&solver))?;
     let queue = Mutex::new(queue(design, &database)?);
-    let bar = bar(options.quiet, remaining(&queue));
+    let template = "{bar:40} {pos}/{len} configurations, {elapsed} gone, {eta} to go  {msg}";
+    let bar = progress::bar(options.quiet, remaining(&queue), template);
 
     let results: Vec<Result<()>> = std::thread::scope(|scope| {
         let workers: Vec<_> =
@@ -144,15 +143,6 @@ fn remaining(queue: &Mutex<Queue>) -> u64 {
     queue.lock().map_or(0, |queue| queue.waiting.len() as u64)
 }
 
-fn bar(quiet: bool, length: u64) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} configurations, {elapsed} gone, {eta} to go  {msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style)
-}
-
 /// One worker: takes configurations until none is left or Ctrl-C was pressed.
 fn work(solver: &Solver, database: &Database, queue: &Mutex<Queue>, bar: &ProgressBar) -> Result<()> {
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().context("could not start a worker thread")?;
@@ -209,12 +199,10 @@ fn status(status: &Status) -> capsule_database::Status {
     }
 }
 
-/// The settings for the record in the database.
-pub fn record(settings: &Settings) -> serde_json::Value {
-    serde_json::json!({
-        "mesh_frequency": settings.mesh_frequency,
-        "settings": format!("{settings:?}"),
-    })
+/// What the runs of a database have in common.
+pub fn description(settings: &Settings) -> Result<Description> {
+    let record = serde_json::to_value(settings).context("could not record the solver's settings")?;
+    Ok(Description::new(settings.snapshot_interval, settings.end_time, record))
 }
 
 #[cfg(test)]

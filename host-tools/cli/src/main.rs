@@ -9,6 +9,7 @@ mod offline_build;
 mod outlines;
 mod predict;
 mod print;
+mod progress;
 mod solver_options;
 mod study_leave_one_out;
 mod study_speed;

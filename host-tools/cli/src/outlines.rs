@@ -1,7 +1,7 @@
 //! The two section outlines as a plot.
 
 use anyhow::Result;
-use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE, Nodes, Scene};
+use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE};
 use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 use std::path::Path;
 
@@ -28,9 +28,8 @@ pub fn plot(file: &Path, evaluator: &mut Evaluator<'_, f32>, times: &[f32], ca: 
 
 /// The closed outline: front to rear on one side, back on the other.
 fn outline(evaluator: &mut Evaluator<'_, f32>, set: &str, t: f32) -> Result<Vec<(f64, f64)>> {
-    let scene = Scene { nodes: Nodes::Set(set), frame: Frame::Laboratory };
     let mut points = [[0.0; 2]; LONGEST_OUTLINE];
-    let count = evaluator.at(t)?.outline(&scene, &mut points)?;
+    let count = evaluator.at(t)?.outline(set, Frame::Laboratory, &mut points)?;
     let side = points[..count].iter().map(|&[x, r]| (f64::from(x), f64::from(r)));
     Ok(side.clone().chain(side.rev().map(|(x, r)| (x, -r))).collect())
 }

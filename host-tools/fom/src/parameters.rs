@@ -13,7 +13,8 @@ pub struct Configuration {
 }
 
 /// A time integrator with its accuracy.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Integrator {
     /// Forward Euler (first of the paper's schemes).
     ForwardEuler {
@@ -36,7 +37,7 @@ pub enum Integrator {
 ///
 /// A run is steady from the first snapshot after which, to its end, the residual (the greatest normal velocity in
 /// the frame of the centroid) and the rate of elongation stay below their bounds.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct SteadyCriteria {
     /// Bound on the residual (V).
     pub normal_velocity: f64,
@@ -47,7 +48,7 @@ pub struct SteadyCriteria {
 }
 
 /// The solver's settings. The default is for production.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Settings {
     /// Mesh frequency `n`: 8 n² elements, 16 n² + 2 nodes.
     pub mesh_frequency: usize,
@@ -124,11 +125,12 @@ impl Settings {
     /// Checks all but the mesh and the duct, which check themselves.
     ///
     /// # Errors
-    /// [`FomError::NotPositive`] with the setting's name.
+    /// [`FomError::NotPositive`] with the setting's name; [`FomError::TooManySnapshots`].
     pub fn validate(&self) -> Result<(), FomError> {
         self.integrator.validate()?;
         positive("end time", self.end_time)?;
         positive("snapshot interval", self.snapshot_interval)?;
+        snapshots(self.end_time, self.snapshot_interval)?;
         positive("steady bound on the normal velocity", self.steady.normal_velocity)?;
         positive("steady bound on the length rate", self.steady.length_rate)?;
         positive("final residual", self.steady.final_residual)
@@ -141,6 +143,18 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), FomError> {
         Ok(())
     } else {
         Err(FomError::NotPositive { name, value })
+    }
+}
+
+/// The greatest number of snapshots of a run: they are kept in memory.
+pub(crate) const MAXIMUM_SNAPSHOTS: f64 = 10_000.0;
+
+/// Checks that the snapshots up to `end_time` are not too many to keep.
+pub(crate) fn snapshots(end_time: f64, interval: f64) -> Result<(), FomError> {
+    if end_time / interval <= MAXIMUM_SNAPSHOTS {
+        Ok(())
+    } else {
+        Err(FomError::TooManySnapshots { end_time, interval })
     }
 }
 
@@ -179,6 +193,11 @@ mod tests {
                 .is_err()
             );
         }
+        let dense = Settings {
+            snapshot_interval: 1e-9,
+            ..Settings::default()
+        };
+        assert!(matches!(dense.validate(), Err(FomError::TooManySnapshots { .. })));
         assert!(Settings::default().validate().is_ok());
     }
 }

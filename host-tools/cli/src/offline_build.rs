@@ -1,0 +1,149 @@
+//! `capsule-rom offline build`: from a snapshot database to a model file.
+
+use crate::{print, progress};
+use anyhow::{Context, Result};
+use capsule_database::Database;
+use capsule_offline::{BuildReport, Settings, Spectrum, Truncation, one_minus_ric};
+use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Folder of the snapshot database
+    #[arg(long, value_name = "DIR", default_value = "models/database")]
+    database: PathBuf,
+    /// Model file to write
+    #[arg(long, value_name = "FILE", default_value = "models/capsule.crom")]
+    out: PathBuf,
+    /// Truncation: root mean square error that each basis may leave, in l and V [default: 2e-5]
+    #[arg(long, conflicts_with = "paper_ranks")]
+    tolerance: Option<f64>,
+    /// Truncation at the paper's ranks: 40 and 40 for the displacement, 50 and 50 for the velocity
+    #[arg(long)]
+    paper_ranks: bool,
+    /// Plot singular values and 1 - RIC (the paper's Figs. 8 and 9) into this folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  capsule-rom offline build
+  capsule-rom offline build --database models/database --out smaller.crom --tolerance 1e-3
+  capsule-rom offline build --paper-ranks --out paper.crom --plots plots/ --json";
+
+pub fn run(options: &Options) -> Result<()> {
+    let database = Database::open(&options.database)?;
+    let mut settings = Settings { created_unix_s: now(), ..Settings::default() };
+    if let Some(tolerance) = options.tolerance {
+        settings.truncation = Truncation::Tolerance { displacement: tolerance, velocity: tolerance };
+    }
+    if options.paper_ranks {
+        settings.truncation = Truncation::PAPER;
+    }
+    let bar = progress::tasks(options.quiet);
+    let (bytes, report) = capsule_offline::build(&database, &settings, &|task, done, of| progress::show(&bar, task, done, of))?;
+    bar.finish_and_clear();
+    write(&options.out, &bytes)?;
+    if let Some(folder) = &options.plots {
+        plot(folder, &report.spectra)?;
+    }
+    if options.json {
+        return print::json(&report);
+    }
+    tell(&report, &options.out)
+}
+
+/// Seconds since 1970, or what SOURCE_DATE_EPOCH says, so that a build can be repeated to the bit.
+fn now() -> u64 {
+    let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok());
+    fixed.unwrap_or_else(|| SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()))
+}
+
+/// Replaces the file whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder)
+        .with_context(|| format!("could not write into the folder {}", folder.display()))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).with_context(|| format!("could not write {}", path.display()))?;
+    Ok(())
+}
+
+fn tell(report: &BuildReport, out: &Path) -> Result<()> {
+    println!(
+        "{}: {} samples, {} bytes, digest {:08x}, from database {}",
+        out.display(),
+        report.samples,
+        report.bytes,
+        report.digest,
+        report.database_digest
+    );
+    let mut rows = Vec::new();
+    for cluster in &report.clusters {
+        for (field, reduced) in [("displacement", cluster.displacement), ("velocity", cluster.velocity)] {
+            rows.push(vec![
+                format!("{:.2} to {:.2}", cluster.confinement[0], cluster.confinement[1]),
+                cluster.samples.to_string(),
+                field.to_owned(),
+                reduced.space_rank.to_string(),
+                reduced.parameter_rank.to_string(),
+                format!("{:.1e}", reduced.space_error),
+                format!("{:.1e}", reduced.parameter_error),
+            ]);
+        }
+    }
+    print::table(&["a/l", "samples", "field", "K_x", "K_c", "space error", "parameter error"], &rows)?;
+    println!();
+    let heading = ["matrix", "K with 1-RIC <= 1e-7", "sigma_2/sigma_1", "sigma_10/sigma_1", "sigma_40/sigma_1"];
+    let rows: Vec<Vec<String>> = report.spectra.iter().map(spectrum_row).collect();
+    print::table(&heading, &rows)
+}
+
+fn name(spectrum: &Spectrum) -> String {
+    match spectrum.cluster {
+        None => format!("{}, laboratory frame", spectrum.matrix),
+        Some([low, high]) => format!("{}, a/l {low:.2} to {high:.2}", spectrum.matrix),
+    }
+}
+
+fn spectrum_row(spectrum: &Spectrum) -> Vec<String> {
+    let values = &spectrum.singular_values;
+    let rank = one_minus_ric(values).iter().position(|&rest| rest <= 1e-7).map_or("-".to_owned(), |k| (k + 1).to_string());
+    let ratio = |k: usize| values.get(k - 1).map_or("-".to_owned(), |value| format!("{:.1e}", value / values[0]));
+    vec![name(spectrum), rank, ratio(2), ratio(10), ratio(40)]
+}
+
+/// Figures 8 and 9 of the paper: 1 - RIC (eq. 50) and the singular values (eq. 51), parameter modes and space modes.
+fn plot(folder: &Path, spectra: &[Spectrum]) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("could not create {}", folder.display()))?;
+    let panel = |title: &str, kind: char, y: &str, of: &dyn Fn(&[f64]) -> Vec<f64>| {
+        let axes = Lines::new(title, Axis::linear("truncation rank K"), Axis::logarithmic(y));
+        let shown = spectra.iter().filter(|spectrum| spectrum.matrix.starts_with(kind));
+        Panel::Lines(shown.fold(axes, |lines, spectrum| {
+            let points = of(&spectrum.singular_values).into_iter().enumerate().take(100);
+            lines.with(Curve::line(&name(spectrum), points.map(|(k, value)| ((k + 1) as f64, value)).collect()))
+        }))
+    };
+    let ratio = |values: &[f64]| values.iter().map(|value| value / values[0]).collect();
+    let figures = [
+        ("ric", "1 - RIC", &one_minus_ric as &dyn Fn(&[f64]) -> Vec<f64>),
+        ("singular_values", "sigma_K / sigma_1", &ratio),
+    ];
+    for (file, y, of) in figures {
+        let panels = vec![panel("Parameter modes", 'S', y, of), panel("Space modes", 'T', y, of)];
+        Figure::new(panels).save(&folder.join(format!("{file}.svg")))?;
+    }
+    Ok(())
+}

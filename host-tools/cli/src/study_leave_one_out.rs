@@ -1,0 +1,93 @@
+//! `capsule-rom study leave-one-out`: each sample predicted from all the others.
+
+use crate::{print, progress};
+use anyhow::{Context, Result};
+use capsule_database::Database;
+use capsule_offline::Settings;
+use capsule_plot::{Cells, Figure, Panel};
+use capsule_study::Report;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Folder of the snapshot database
+    #[arg(long, value_name = "DIR", default_value = "models/database")]
+    database: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write the errors of every sample as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Plot heat maps of the errors over the parameters (the paper's Fig. 13) into this folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  capsule-rom study leave-one-out
+  capsule-rom study leave-one-out --json
+  capsule-rom study leave-one-out --csv errors.csv --plots plots/
+
+Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
+the shape alone (in the frame of the centroid). The whole model is built anew without each sample.";
+
+pub fn run(options: &Options) -> Result<()> {
+    let database = Database::open(&options.database)?;
+    let bar = progress::tasks(options.quiet);
+    let report = capsule_study::leave_one_out(&database, &Settings::default(), &|task, done, of| {
+        progress::show(&bar, task, done, of);
+    })?;
+    bar.finish_and_clear();
+    if let Some(file) = &options.csv {
+        std::fs::write(file, report.csv()).with_context(|| format!("could not write {}", file.display()))?;
+    }
+    if let Some(folder) = &options.plots {
+        plot(folder, &report)?;
+    }
+    if options.json {
+        return print::json(&report);
+    }
+    println!("{} samples; per cent of a; default method: {}", report.samples, report.default);
+    let rows: Vec<Vec<String>> = report
+        .methods
+        .iter()
+        .flat_map(|(method, instants)| instants.iter().map(move |instant| (method, instant)))
+        .map(|(method, instant)| {
+            let errors = [
+                instant.lab_mean_percent,
+                instant.lab_max_percent,
+                instant.shape_mean_percent,
+                instant.shape_max_percent,
+            ];
+            let cells = errors.iter().map(|error| format!("{error:.3}"));
+            [method.to_string(), instant.t.to_string()].into_iter().chain(cells).collect()
+        })
+        .collect();
+    print::table(&["method", "t", "lab mean", "lab max", "shape mean", "shape max"], &rows)
+}
+
+/// One figure a method and frame, one panel an instant.
+fn plot(folder: &Path, report: &Report) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("could not create {}", folder.display()))?;
+    for (method, samples) in &report.values {
+        for frame in ["lab", "shape"] {
+            let panels = report.methods[method].iter().enumerate().map(|(i, instant)| {
+                let title = format!("{method}, {frame}, t = {}", instant.t);
+                let cells = samples.iter().map(|sample| {
+                    let percent = if frame == "lab" { &sample.lab_percent } else { &sample.shape_percent };
+                    (sample.capillary_number, sample.confinement, percent[i])
+                });
+                Panel::Cells(Cells::new(&title, "Ca", "a/l", "% of a", (0.01, 0.05), cells.collect()))
+            });
+            Figure::new(panels.collect()).save(&folder.join(format!("leave_one_out_{method}_{frame}.svg")))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,226 @@
+//! The command as a user runs it: what it prints, what it writes, and how it fails.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn capsule_rom(arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_capsule-rom"))
+        .args(arguments.split_whitespace())
+        .current_dir(root())
+        .output()
+        .expect("the command starts")
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn json(arguments: &str) -> Value {
+    let output = capsule_rom(arguments);
+    assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+/// Asserts the exit code and that the message on standard error holds all of `words`.
+fn fails(arguments: &str, code: i32, words: &[&str]) {
+    let output = capsule_rom(arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments} printed a result");
+    for word in words {
+        assert!(message.contains(word), "{arguments}: \"{word}\" is not in: {message}");
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("an array").iter().map(|entry| entry.as_f64().expect("a number")).collect()
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    for command in [
+        "",
+        "fom run",
+        "fom sweep",
+        "fom shear",
+        "offline build",
+        "predict",
+        "study leave-one-out",
+        "study speed",
+        "completions",
+    ] {
+        let output = capsule_rom(&format!("{command} --help"));
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success() && text.contains("Example"), "{command}: {text}");
+    }
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    fails("predict --ca 0.1", 2, &["--confinement"]);
+    fails("predict --ca much --confinement 0.9 --t 1", 2, &["much"]);
+    fails("sing", 2, &["sing"]);
+}
+
+#[test]
+fn a_prediction_has_its_fields_and_keeps_the_volume() {
+    let prediction = json("predict --ca 0.10 --confinement 0.90 --t 0.4,3,6,9 --json");
+    assert_eq!(prediction["method"], "direct");
+    assert_eq!(prediction["model_digest"].as_str().map(str::len), Some(8));
+    let instants = prediction["instants"].as_array().unwrap();
+    assert_eq!(instants.len(), 4);
+    let sphere = 4.0 / 3.0 * std::f64::consts::PI * 0.9_f64.powi(3);
+    for instant in instants {
+        let of = |field: &str| instant[field].as_f64().unwrap();
+        assert!((of("volume") / sphere - 1.0).abs() < 2e-3, "{instant}");
+        assert!(of("half_width") < 1.0 && of("half_diagonal") < 2.0_f64.sqrt(), "{instant}");
+        assert!(of("velocity") > 1.0 && of("velocity") < 2.0963, "{instant}");
+        assert!(of("rear_depth") >= 0.0 && of("expected_error") > 0.0, "{instant}");
+    }
+    // Steady from t = 3 on, to the eye.
+    let length = |i: usize| instants[i]["axial_length"].as_f64().unwrap();
+    assert!((length(1) - length(3)).abs() < 0.01);
+}
+
+/// The model holds this sample, so that interpolation must give it back: compare with its snapshots.
+#[test]
+fn a_sample_is_reproduced() {
+    let database = capsule_database::Database::open(&root().join("models/database")).unwrap();
+    let trajectory = database.read(&[0.05, 1.0]).unwrap().extended(&[2.0]).unwrap();
+    let x = |node: &[f64; 3]| node[0];
+    let front = trajectory.positions[0].iter().map(x).fold(f64::MIN, f64::max);
+    let rear = trajectory.positions[0].iter().map(x).fold(f64::MAX, f64::min);
+    let prediction = json("predict --ca 0.05 --confinement 1.00 --t 2 --json");
+    let length = prediction["instants"][0]["axial_length"].as_f64().unwrap();
+    // The observable interpolates the rim between nodes, so that it may exceed the nodes' extremes a little.
+    assert!((length - (front - rear)).abs() < 0.01, "{length} against {}", front - rear);
+}
+
+#[test]
+fn both_methods_agree_inside_the_domain() {
+    let at = |method: &str| {
+        json(&format!("predict --ca 0.055 --confinement 0.97 --t 4 --method {method} --json"))["instants"][0].clone()
+    };
+    let (direct, paper) = (at("direct"), at("paper"));
+    for field in ["axial_length", "half_width", "velocity", "volume"] {
+        let (a, b) = (direct[field].as_f64().unwrap(), paper[field].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 0.02, "{field}: {a} and {b}");
+    }
+    assert_ne!(direct, paper);
+}
+
+#[test]
+fn predictions_are_written_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    json(&format!(
+        "predict --ca 0.10 --confinement 0.90 --t 0,2 --json --csv {} --vtu {} --plot {}",
+        at("table.csv"),
+        at("paraview"),
+        at("sections.png")
+    ));
+    let table = std::fs::read_to_string(at("table.csv")).unwrap();
+    assert_eq!(table.lines().filter(|line| !line.starts_with('#')).count(), 3, "{table}");
+    assert!(Path::new(&at("paraview/capsule.pvd")).is_file() && Path::new(&at("paraview/capsule_0001.vtu")).is_file());
+    assert_eq!(std::fs::read(at("sections.png")).unwrap()[1..4], *b"PNG");
+}
+
+#[test]
+fn questions_without_an_answer_are_refused() {
+    fails("predict --ca 0.10 --confinement 2 --t 1", 1, &["confinement", "2"]);
+    fails("predict --ca 0.19 --confinement 1.1 --t 1", 1, &["steady"]);
+    fails("predict --ca NaN --confinement 0.9 --t 1", 1, &["capillary"]);
+    fails("predict --ca 0.1 --confinement 0.9 --t 21", 1, &["21", "20"]);
+    json("predict --ca 0.10 --confinement 1.21 --t 1 --extrapolate --json");
+}
+
+#[test]
+fn damaged_models_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let sound = std::fs::read(root().join("models/capsule.crom")).unwrap();
+    let file = folder.path().join("model.crom");
+    let refused = |bytes: &[u8], words: &[&str]| {
+        std::fs::write(&file, bytes).unwrap();
+        let arguments = format!("predict --ca 0.1 --confinement 0.9 --t 1 --model {}", file.display());
+        fails(&arguments, 1, words);
+    };
+    refused(&sound[..sound.len() / 2], &["truncated"]);
+    refused(b"no model at all, only text", &["CROM"]);
+    let mut flipped = sound.clone();
+    flipped[sound.len() / 2] ^= 1;
+    refused(&flipped, &["CRC"]);
+    let mut newer = sound.clone();
+    newer[4] = 99;
+    refused(&newer, &["version", "99"]);
+    fails("predict --ca 0.1 --confinement 0.9 --t 1 --model no/such.crom", 1, &["no/such.crom"]);
+}
+
+#[test]
+fn a_full_order_run_prints_its_history_and_writes_its_snapshots() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let run = json(&format!(
+        "fom run --ca 0.10 --confinement 0.90 --mesh 3 --end-time 0.4 --quiet --json --out {}",
+        out.display()
+    ));
+    assert_eq!((run["nodes"].as_u64(), run["elements"].as_u64()), (Some(146), Some(72)));
+    assert_eq!((run["integrator"].as_str(), run["steady"].as_bool()), (Some("rkc2"), Some(false)));
+    assert_eq!(numbers(&run["history"]["t"]).len(), 3);
+    for field in ["centroid_velocity", "axial_length", "half_width", "half_diagonal", "rear_depth", "pressure_drop"] {
+        assert_eq!(numbers(&run["history"][field]).len(), 3, "{field}");
+    }
+    for profile in ["profile_midplane", "profile_diagonal"] {
+        let points: Vec<Vec<f64>> = run[profile].as_array().unwrap().iter().map(numbers).collect();
+        let (front, rear) = (&points[0], &points[points.len() - 1]);
+        assert!(front[0] > rear[0] && front[1] == 0.0 && rear[1] == 0.0, "{profile} runs from pole to pole");
+    }
+    assert!(run["velocity_evaluations"].as_u64() > Some(10) && run["volume_drift"].as_f64() < Some(1e-4));
+    assert!(out.join("capsule.pvd").is_file());
+    let snapshots = capsule_database::Database::open(&out.join("snapshots")).unwrap();
+    assert_eq!(snapshots.read(&[0.10, 0.90]).unwrap().times.len(), 3);
+}
+
+#[test]
+fn a_sweep_goes_on_where_it_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = |capillary_numbers: &str| {
+        let output = capsule_rom(&format!(
+            "fom sweep --database {} --mesh 2 --ca {capillary_numbers} --confinement 0.75 --end-time 12 --quiet",
+            folder.path().display()
+        ));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(sweep("0.05").starts_with("1 steady of 1 "));
+    let file = folder.path().join("ca0.0500_al0.7500.npz");
+    let written = file.metadata().unwrap().modified().unwrap();
+    assert!(sweep("0.05,0.06").starts_with("2 steady of 2 "));
+    assert_eq!(file.metadata().unwrap().modified().unwrap(), written, "what is there is not computed again");
+}
+
+#[test]
+fn impossible_full_order_runs_are_named() {
+    fails("fom run --ca 0 --confinement 0.9", 1, &["capillary number", "positive"]);
+    fails("fom run --ca NaN --confinement 0.9", 1, &["NaN"]);
+    fails("fom run --ca 0.1 --confinement 0.9 --mesh 1", 1, &["mesh frequency 1"]);
+    fails("fom run --ca 0.1 --confinement 0.9 --mesh 2 --integrator euler --step 0.1", 1, &["unstable", "limit"]);
+    fails("fom run --ca 0.1 --confinement 0.9 --mesh 2 --end-time 0.2 --out /proc/none", 1, &["/proc/none"]);
+    fails("fom shear --ca -1", 1, &["positive"]);
+}
+
+#[test]
+fn databases_that_cannot_be_used_are_named() {
+    fails("offline build --database no/such/folder", 1, &["no/such/folder"]);
+    fails("study leave-one-out --database no/such/folder", 1, &["no/such/folder"]);
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(root().join("models/database")).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let broken = folder.path().join("ca0.0500_al0.9000.npz");
+    let bytes = std::fs::read(&broken).unwrap();
+    std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
+    let arguments = format!("offline build --database {} --out /dev/null --quiet", folder.path().display());
+    fails(&arguments, 1, &["ca0.0500_al0.9000.npz"]);
+}
