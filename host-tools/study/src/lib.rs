@@ -1,1 +1,19 @@
-//! To be written.
+//! How good a model is, and how fast: leave-one-out errors as in the paper's Fig. 13, and run times.
+
+mod error;
+mod leave_one_out;
+pub mod speed;
+
+pub use error::StudyError;
+pub use leave_one_out::{InstantErrors, Report, SampleErrors, leave_one_out};
+
+use capsule_core::Method;
+
+/// The name of a method in reports and on the command line.
+#[must_use]
+pub fn name(method: Method) -> &'static str {
+    match method {
+        Method::Direct => "direct",
+        Method::Paper => "paper",
+    }
+}

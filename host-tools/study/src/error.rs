@@ -1,0 +1,30 @@
+//! Why a study came to nothing.
+
+use capsule_core::EvaluateError;
+use capsule_offline::OfflineError;
+
+/// An error of a study.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// No model could be built from the database.
+    #[error(transparent)]
+    Offline(#[from] OfflineError),
+    /// The model did not answer.
+    #[error("the model cannot be evaluated: {0}")]
+    Evaluate(EvaluateError),
+    /// Nothing was to be measured.
+    #[error("{queries} queries and {repetitions} repetitions; at least 2 and 1 are needed")]
+    NothingToMeasure {
+        /// Queries given.
+        queries: usize,
+        /// Repetitions asked for.
+        repetitions: usize,
+    },
+}
+
+impl From<EvaluateError> for StudyError {
+    fn from(error: EvaluateError) -> Self {
+        StudyError::Evaluate(error)
+    }
+}

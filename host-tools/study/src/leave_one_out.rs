@@ -1,0 +1,182 @@
+//! Leave-one-out errors: each sample predicted by a model that was built without it (paper, section 4.5, Fig. 13).
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use capsule_core::Method;
+use capsule_database::Database;
+use capsule_offline::{LeftOut, Progress, Settings};
+use serde::Serialize;
+
+use crate::{StudyError, name};
+
+/// The errors of both methods.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// The method that the model takes unless told otherwise.
+    pub default: &'static str,
+    /// How many samples were left out, one after the other.
+    pub samples: usize,
+    /// For each method, the errors over all samples at each instant.
+    pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
+    /// For each method, the errors of each sample: the values of the heat maps of Fig. 13.
+    #[serde(skip)]
+    pub values: BTreeMap<&'static str, Vec<SampleErrors>>,
+}
+
+/// Errors over all samples at an instant: modified Hausdorff distance to the full-order model, in per cent of a.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct InstantErrors {
+    /// The instant, in l/V.
+    pub t: f64,
+    /// Mean in the laboratory frame, in which the paper measures.
+    pub lab_mean_percent: f64,
+    /// Maximum in the laboratory frame.
+    pub lab_max_percent: f64,
+    /// Mean in the frame of the centroid: of the shape alone.
+    pub shape_mean_percent: f64,
+    /// Maximum in the frame of the centroid.
+    pub shape_max_percent: f64,
+}
+
+/// Errors of one sample at the instants of the report, in per cent of a.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SampleErrors {
+    /// Ca
+    pub capillary_number: f64,
+    /// a/l
+    pub confinement: f64,
+    /// Laboratory frame.
+    pub lab_percent: Vec<f64>,
+    /// Centroid frame.
+    pub shape_percent: Vec<f64>,
+}
+
+/// Leaves out every steady sample of the database in turn and measures both methods at t = 1, 2, 4 and 8.
+///
+/// The model is built again without the sample, all of it: POD, coefficients, interpolation. A sample on the row that
+/// two clusters share is judged by the cluster that answers there.
+///
+/// # Errors
+/// [`StudyError::Offline`] when the database gives no model.
+pub fn leave_one_out(database: &Database, settings: &Settings, progress: Progress) -> Result<Report, StudyError> {
+    let settings = Settings {
+        error_times: vec![1.0, 2.0, 4.0, 8.0],
+        ..settings.clone()
+    };
+    let errors = capsule_offline::leave_one_out(database, &settings, progress)?;
+    Ok(Report::new(&errors, &settings))
+}
+
+impl Report {
+    /// The report of given errors, measured with the same settings.
+    #[must_use]
+    pub fn new(errors: &[LeftOut], settings: &Settings) -> Self {
+        let percent = |fractions: &[f64]| fractions.iter().map(|f| 100.0 * f).collect();
+        let mut report = Report {
+            default: name(settings.default_method),
+            samples: 0,
+            methods: BTreeMap::new(),
+            values: BTreeMap::new(),
+        };
+        for method in [Method::Direct, Method::Paper] {
+            let values: Vec<SampleErrors> = errors
+                .iter()
+                .filter(|e| e.answers && e.method == method)
+                .map(|e| SampleErrors {
+                    capillary_number: e.parameters[0],
+                    confinement: e.parameters[1],
+                    lab_percent: percent(&e.laboratory),
+                    shape_percent: percent(&e.shape),
+                })
+                .collect();
+            let instants = settings.error_times.iter().enumerate().map(|(i, t)| {
+                let (lab_mean_percent, lab_max_percent) = mean_and_max(values.iter().map(|v| v.lab_percent[i]));
+                let (shape_mean_percent, shape_max_percent) = mean_and_max(values.iter().map(|v| v.shape_percent[i]));
+                InstantErrors {
+                    t: *t,
+                    lab_mean_percent,
+                    lab_max_percent,
+                    shape_mean_percent,
+                    shape_max_percent,
+                }
+            });
+            report.methods.insert(name(method), instants.collect());
+            report.samples = values.len();
+            report.values.insert(name(method), values);
+        }
+        report
+    }
+
+    /// One line a method, sample and instant, with a heading.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = String::from("method,capillary_number,confinement,t,lab_percent,shape_percent\n");
+        for (method, values) in &self.values {
+            for v in values {
+                for (i, instant) in self.methods[method].iter().enumerate() {
+                    let (ca, a, t) = (v.capillary_number, v.confinement, instant.t);
+                    let _ = writeln!(
+                        text,
+                        "{method},{ca},{a},{t},{:.6},{:.6}",
+                        v.lab_percent[i], v.shape_percent[i]
+                    );
+                }
+            }
+        }
+        text
+    }
+}
+
+fn mean_and_max(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (sum, max, count) = values.fold((0.0, 0.0, 0), |(s, m, n), v| (s + v, f64::max(m, v), n + 1));
+    (sum / f64::from(count.max(1)), max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(method: Method, answers: bool, laboratory: f64, shape: f64) -> LeftOut {
+        LeftOut {
+            parameters: [0.1, 0.9],
+            cluster: 0,
+            answers,
+            method,
+            laboratory: vec![laboratory, 2.0 * laboratory],
+            shape: vec![shape, shape],
+            deviation: 1.0,
+        }
+    }
+
+    #[test]
+    fn means_and_maxima_are_over_the_answering_cluster_in_per_cent() {
+        let errors = [
+            error(Method::Direct, true, 0.01, 0.002),
+            error(Method::Direct, false, 9.0, 9.0),
+            error(Method::Direct, true, 0.03, 0.004),
+            error(Method::Paper, true, 0.05, 0.05),
+            error(Method::Paper, true, 0.05, 0.05),
+        ];
+        let settings = Settings {
+            error_times: vec![1.0, 2.0],
+            ..Settings::default()
+        };
+        let report = Report::new(&errors, &settings);
+        assert_eq!((report.samples, report.default), (2, "direct"));
+        let late = report.methods["direct"][1];
+        assert_eq!(late.t, 2.0);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(
+            close(late.lab_mean_percent, 4.0) && close(late.lab_max_percent, 6.0),
+            "{late:?}"
+        );
+        assert!(
+            close(late.shape_mean_percent, 0.3) && close(late.shape_max_percent, 0.4),
+            "{late:?}"
+        );
+        let csv = report.csv();
+        assert_eq!(csv.lines().count(), 1 + 2 * 2 * 2);
+        assert!(csv.contains("\ndirect,0.1,0.9,2,6.000000,0.400000\n"), "{csv}");
+    }
+}

@@ -1,0 +1,139 @@
+//! How long the model takes to answer, on this machine.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use capsule_core::{EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace};
+use serde::Serialize;
+
+use crate::{StudyError, name};
+
+/// What is timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Task {
+    /// Preparing a query that is new.
+    Prepare,
+    /// The outline of a prepared query at a new instant.
+    Outline,
+    /// The observables of a prepared query at a new instant.
+    Observables,
+    /// All nodes of a prepared query at a new instant.
+    Surface,
+    /// A new query and all nodes at every stored instant.
+    Trajectory,
+}
+
+/// The time that a task takes, over repetitions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Timing {
+    /// What was timed.
+    pub task: Task,
+    /// The method's name.
+    pub method: &'static str,
+    /// Bits of a number: 32 or 64.
+    pub bits: usize,
+    /// Median, in microseconds.
+    pub median_us: f64,
+    /// First quartile, in microseconds.
+    pub lower_quartile_us: f64,
+    /// Third quartile, in microseconds.
+    pub upper_quartile_us: f64,
+}
+
+/// Times all tasks for both methods, in numbers of type `T` (f32 or f64), each `repetitions` times.
+///
+/// The queries (Ca, a/l) are taken in turn, so that none is answered from what the workspace still holds.
+///
+/// # Errors
+/// [`StudyError::NothingToMeasure`] for fewer than two queries or no repetition; [`StudyError::Evaluate`] when the model
+/// refuses a query.
+pub fn measure<T: Real>(model: &Model, queries: &[[T; 2]], repetitions: usize) -> Result<Vec<Timing>, StudyError> {
+    if queries.len() < 2 || repetitions == 0 {
+        return Err(StudyError::NothingToMeasure {
+            queries: queries.len(),
+            repetitions,
+        });
+    }
+    let mut timings = Vec::new();
+    for method in [Method::Direct, Method::Paper] {
+        for task in [
+            Task::Prepare,
+            Task::Outline,
+            Task::Observables,
+            Task::Surface,
+            Task::Trajectory,
+        ] {
+            let mut durations = durations(model, queries, repetitions, method, task)?;
+            durations.sort_by(f64::total_cmp);
+            let quantile = |q: usize| durations[(durations.len() - 1) * q / 4];
+            timings.push(Timing {
+                task,
+                method: name(method),
+                bits: 8 * size_of::<T>(),
+                median_us: quantile(2),
+                lower_quartile_us: quantile(1),
+                upper_quartile_us: quantile(3),
+            });
+        }
+    }
+    Ok(timings)
+}
+
+/// Microseconds of each repetition of a task.
+fn durations<T: Real>(
+    model: &Model,
+    queries: &[[T; 2]],
+    repetitions: usize,
+    method: Method,
+    task: Task,
+) -> Result<Vec<f64>, EvaluateError> {
+    let mut workspace = Box::new(Workspace::<T>::new());
+    let mut evaluator = Evaluator::new(model, &mut workspace)?;
+    let mut nodes = vec![[T::ZERO; 3]; model.contents().mesh.nodes as usize];
+    let mut outline = vec![[T::ZERO; 2]; nodes.len()];
+    let all = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let times = model.times();
+    let mut durations = Vec::with_capacity(repetitions);
+    for i in 0..repetitions {
+        let [capillary_number, confinement] = queries[i % queries.len()];
+        let query = Query {
+            extrapolate: true,
+            ..Query::new(capillary_number, confinement, method)
+        };
+        if !matches!(task, Task::Prepare | Task::Trajectory) {
+            evaluator.prepare(&query)?;
+        }
+        let t = T::from_f32(times.get((7 * i + 1) % times.rows(), 0));
+        let start = Instant::now();
+        match task {
+            Task::Prepare => {
+                evaluator.prepare(&query)?;
+            }
+            Task::Outline => {
+                evaluator.at(t)?.outline(MIDPLANE, Frame::Centroid, &mut outline)?;
+            }
+            Task::Observables => {
+                black_box(evaluator.at(t)?.observables()?);
+            }
+            Task::Surface => {
+                evaluator.at(t)?.positions(&all, &mut nodes)?;
+            }
+            Task::Trajectory => {
+                evaluator.prepare(&query)?;
+                for row in 0..times.rows() {
+                    evaluator
+                        .at(T::from_f32(times.get(row, 0)))?
+                        .positions(&all, &mut nodes)?;
+                    black_box(&nodes);
+                }
+            }
+        }
+        black_box((&nodes, &outline));
+        durations.push(start.elapsed().as_secs_f64() * 1e6);
+    }
+    Ok(durations)
+}

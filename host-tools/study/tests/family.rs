@@ -1,0 +1,84 @@
+//! Studies of a family of which every answer is known.
+
+#[path = "../../offline/tests/support/mod.rs"]
+mod support;
+
+use capsule_core::Model;
+use capsule_database::{Database, Description};
+use capsule_offline::{Settings, build};
+use capsule_study::{StudyError, leave_one_out, speed};
+
+fn quiet(_: &str, _: usize, _: usize) {}
+
+#[test]
+fn a_family_that_the_model_contains_has_no_error() {
+    let directory = tempfile::tempdir().unwrap();
+    let description = Description::new(0.5, 8.0, serde_json::Value::Null);
+    let database = Database::create(directory.path(), description, support::octahedral(2)).unwrap();
+    for ca in [0.02, 0.05, 0.08, 0.11, 0.14] {
+        for a in [0.8, 0.85, 0.9, 0.95, 1.0] {
+            database
+                .write(&support::trajectory(database.mesh(), [ca, a], &database.times()))
+                .unwrap();
+        }
+    }
+    let report = leave_one_out(&database, &Settings::default(), &quiet).unwrap();
+    assert_eq!((report.samples, report.default), (25, "direct"));
+    assert_eq!(
+        report.methods["direct"].iter().map(|i| i.t).collect::<Vec<_>>(),
+        [1.0, 2.0, 4.0, 8.0]
+    );
+    for instant in &report.methods["direct"] {
+        assert!(
+            instant.lab_max_percent < 0.02 && instant.shape_max_percent < 0.02,
+            "{instant:?}"
+        );
+        assert!(instant.lab_mean_percent <= instant.lab_max_percent);
+    }
+    // 25 samples, 4 instants, 2 methods.
+    assert_eq!(report.csv().lines().count(), 1 + 25 * 4 * 2);
+
+    // A sample that does not belong to the family is the one with the largest error.
+    let mut stranger = support::trajectory(database.mesh(), [0.08, 0.9], &database.times());
+    for positions in &mut stranger.positions[1..] {
+        for p in positions {
+            p[0] += 0.01;
+        }
+    }
+    for centroid in &mut stranger.centroid[1..] {
+        *centroid += 0.01;
+    }
+    database.write(&stranger).unwrap();
+    let report = leave_one_out(&database, &Settings::default(), &quiet).unwrap();
+    let worst = report.values["direct"]
+        .iter()
+        .max_by(|a, b| a.lab_percent[0].total_cmp(&b.lab_percent[0]))
+        .unwrap();
+    assert_eq!([worst.capillary_number, worst.confinement], [0.08, 0.9]);
+    // It lies 0.01 l ahead of its neighbours, and its shape is theirs.
+    assert!((worst.lab_percent[0] - 100.0 * 0.01 / 0.9).abs() < 0.05, "{worst:?}");
+    assert!(worst.shape_percent[0] < 0.02, "{worst:?}");
+}
+
+#[test]
+fn times_are_positive_and_ordered() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = support::database(directory.path());
+    let settings = Settings {
+        error_times: vec![1.0],
+        ..Settings::default()
+    };
+    let (bytes, _) = build(&database, &settings, &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    let timings = speed::measure(&model, &[[0.05f32, 0.85], [0.06, 0.93]], 5).unwrap();
+    assert_eq!(timings.len(), 10);
+    for t in &timings {
+        assert!(0.0 < t.lower_quartile_us && t.lower_quartile_us <= t.median_us, "{t:?}");
+        assert!(t.median_us <= t.upper_quartile_us && t.bits == 32, "{t:?}");
+    }
+    let error = speed::measure(&model, &[[0.05f64, 0.85]], 5).unwrap_err();
+    assert!(
+        matches!(error, StudyError::NothingToMeasure { queries: 1, .. }),
+        "{error}"
+    );
+}
