@@ -1,0 +1,77 @@
+//! The firmware's answers under QEMU against this machine's, bit for bit. Ignored unless asked for, because it needs
+//! the target (`rustup target add thumbv7em-none-eabihf`) and the emulator (`apt-get install qemu-system-arm`):
+//! `cargo test -p capsule-core --test firmware -- --ignored`.
+
+mod common;
+#[path = "../../tests/firmware/src/questions.rs"]
+mod questions;
+
+use capsule_core::{Model, Workspace};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn firmware() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/firmware")
+}
+
+/// Builds the firmware with a model in its flash, runs it and returns what it prints.
+fn on_the_target(model: &Path) -> String {
+    // A target directory of its own: this test's cargo holds the lock of the other.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware");
+    let output = Command::new(env!("CARGO"))
+        .args(["run", "--release", "--locked"])
+        .current_dir(firmware())
+        .env("CAPSULE_MODEL", model)
+        .env("CARGO_TARGET_DIR", target)
+        .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env_remove("RUSTFLAGS")
+        .output()
+        .expect("cargo starts");
+    assert!(
+        output.status.success(),
+        "the firmware failed:\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).expect("the firmware prints ASCII")
+}
+
+/// The same on this machine.
+fn on_this_machine(model: &Path) -> String {
+    let bytes = std::fs::read(model).unwrap_or_else(|error| panic!("{}: {error}", model.display()));
+    let model = Model::open(&bytes).unwrap();
+    let mut workspace = Workspace::<f32>::new();
+    let mut text = String::new();
+    for i in 0..questions::COUNT {
+        let mut emit = |value: f32| write!(text, "{:08x} ", value.to_bits()).unwrap();
+        questions::answer(&model, &mut workspace, i, &mut emit).unwrap();
+        text.push('\n');
+    }
+    text
+}
+
+fn agree(model: &Path) {
+    let (target, here) = (on_the_target(model), on_this_machine(model));
+    assert_eq!(target.lines().count(), questions::COUNT);
+    for (question, (target, here)) in target.lines().zip(here.lines()).enumerate() {
+        assert_eq!(
+            target.trim(),
+            here.trim(),
+            "question {question}: the target's answer, and this machine's"
+        );
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the thumbv7em-none-eabihf target"]
+fn a_small_model_gives_the_same_bits_on_the_target() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("family.crom");
+    std::fs::write(&path, common::Family::new(3).file()).unwrap();
+    agree(&path);
+}
+
+#[test]
+#[ignore = "needs QEMU and the thumbv7em-none-eabihf target"]
+fn the_shipped_model_gives_the_same_bits_on_the_target() {
+    agree(&firmware().join("../../models/capsule.crom"));
+}

@@ -1,0 +1,54 @@
+//! Questions whose answers the firmware and the host must agree on, bit for bit.
+
+use capsule_core::{EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace};
+
+/// Ca, a/l.
+const PARAMETERS: [[f32; 2]; 5] = [[0.1, 0.9], [0.03, 1.1], [0.005, 0.85], [0.085, 0.787], [0.042, 0.943]];
+const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
+const INSTANTS: [f32; 4] = [0.0, 0.4, 1.234, 3.0];
+
+/// Number of questions.
+pub const COUNT: usize = PARAMETERS.len() * METHODS.len() * INSTANTS.len();
+
+/// Answers question number `i`: every number of the answer goes to `emit`, in an order of its own.
+pub fn answer(
+    model: &Model<'_>,
+    workspace: &mut Workspace<f32>,
+    i: usize,
+    emit: &mut impl FnMut(f32),
+) -> Result<(), EvaluateError> {
+    let (set, t) = (i / INSTANTS.len(), INSTANTS[i % INSTANTS.len()]);
+    let ([capillary_number, confinement], method) =
+        (PARAMETERS[set % PARAMETERS.len()], METHODS[set / PARAMETERS.len()]);
+    let mut evaluator = Evaluator::new(model, workspace)?;
+    evaluator.prepare(&Query {
+        extrapolate: true,
+        ..Query::new(capillary_number, confinement, method)
+    })?;
+    let mut instant = evaluator.at(t)?;
+    let found = instant.observables()?;
+    [
+        found.axial_length,
+        found.half_width,
+        found.half_diagonal,
+        found.rear_depth,
+        found.velocity,
+        found.centroid,
+    ]
+    .map(&mut *emit);
+    emit(instant.volume()?);
+    emit(instant.expected_error());
+    let mut points = [[0.0; 3]; 3];
+    let some = Scene {
+        nodes: Nodes::List(&[0, 7, 31]),
+        frame: Frame::Laboratory,
+    };
+    instant.positions(&some, &mut points)?;
+    points.as_flattened().iter().copied().for_each(&mut *emit);
+    instant.velocities(&some, &mut points)?;
+    points.as_flattened().iter().copied().for_each(&mut *emit);
+    let mut outline = [[0.0; 2]; 128];
+    let count = instant.outline(MIDPLANE, Frame::Laboratory, &mut outline)?;
+    outline.iter().take(count).flatten().copied().for_each(emit);
+    Ok(())
+}
