@@ -27,15 +27,11 @@ pub fn answer(
     })?;
     let mut instant = evaluator.at(t)?;
     let found = instant.observables()?;
-    [
-        found.axial_length,
-        found.half_width,
-        found.half_diagonal,
-        found.rear_depth,
-        found.velocity,
-        found.centroid,
-    ]
-    .map(&mut *emit);
+    for value in [found.axial_length, found.half_width, found.half_diagonal, found.rear_depth] {
+        emit(value);
+    }
+    emit(found.velocity);
+    emit(found.centroid);
     emit(instant.volume()?);
     emit(instant.expected_error());
     let mut points = [[0.0; 3]; 3];
