@@ -48,6 +48,17 @@ pub enum FomError {
         /// The frequency asked for.
         frequency: usize,
     },
+    /// The snapshots are too many to keep.
+    #[error(
+        "snapshots every {interval:e} up to {end_time} are too many: there may be {} at most",
+        parameters::MAXIMUM_SNAPSHOTS
+    )]
+    TooManySnapshots {
+        /// The end time.
+        end_time: f64,
+        /// The time between snapshots.
+        interval: f64,
+    },
     /// The mesh lacks the symmetry of the square.
     #[error(
         "node {node} at {point:?} has no image in the sector 0 <= z <= y: the mesh lacks the symmetry of the square"

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use crate::flow::{Background, FreeSpace};
 use crate::integrator::{State, StepError};
-use crate::parameters::positive;
+use crate::parameters::{positive, snapshots};
 use crate::simulation::stepper;
 use crate::surface::Moments;
 use crate::system::{Capsule, Discretisation};
@@ -55,12 +55,13 @@ pub struct ShearOutcome {
 /// Deforms a spherical, stress-free capsule by simple shear.
 ///
 /// # Errors
-/// [`FomError::NotPositive`] or [`FomError::MeshFrequency`] for a bad setting, [`FomError::UnstableStep`] for a fixed
+/// [`FomError::NotPositive`], [`FomError::MeshFrequency`] or [`FomError::TooManySnapshots`] for a bad setting, [`FomError::UnstableStep`] for a fixed
 /// step that is too long, [`FomError::Shear`] if the surface cannot be carried on.
 pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome, FomError> {
     positive("capillary number Ca", capillary_number)?;
     positive("end time", settings.end_time)?;
     positive("interval", settings.interval)?;
+    snapshots(settings.end_time, settings.interval)?;
     settings.integrator.validate()?;
     // The shear has not the symmetry of the square.
     let discretisation = Discretisation::new(settings.mesh_frequency, false)?;

@@ -73,6 +73,7 @@ impl Patch {
         for (index, (element, rows)) in self.elements.iter().zip(&self.rows).enumerate() {
             let contribution = local(index, &element.map(|node| nodes[node as usize]));
             for (row, vector) in rows.iter().zip(contribution) {
+                // `OUTSIDE` is no index of the sector.
                 if let Some(sum) = out.get_mut(*row as usize) {
                     for d in 0..3 {
                         sum[d] += vector[d];

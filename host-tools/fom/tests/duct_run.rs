@@ -125,6 +125,25 @@ fn bad_parameters_are_refused() {
 }
 
 #[test]
+fn a_run_that_cannot_go_on_keeps_its_snapshots() {
+    // The soft capsule grows until it comes too close to the ends of a short duct.
+    let mut short = settings();
+    short.end_time = 3.0;
+    short.duct.half_length = 2.2;
+    let soft = Configuration {
+        capillary_number: 0.3,
+        confinement: 0.95,
+    };
+    let outcome = run(short, soft).unwrap();
+    let Status::Stopped { time, reason } = &outcome.status else {
+        panic!("{:?}", outcome.status)
+    };
+    assert!(reason.contains("end of the duct"), "{reason}");
+    assert!(outcome.times.len() > 1 && *time >= outcome.times[outcome.times.len() - 1]);
+    assert_eq!(outcome.positions.len(), outcome.times.len());
+}
+
+#[test]
 fn the_observer_may_break_off() {
     let solver = Solver::new(settings()).unwrap();
     let mut steps = 0;
