@@ -3,11 +3,11 @@ import "@fontsource/stix-two-text/latin-400-italic.css";
 import "@fontsource/stix-two-text/latin-ext-400-italic.css";
 import "./style/theme.css";
 import "./style/controls.css";
-import "./style/layout.css";
 import "./style/views.css";
+import "./style/layout.css";
 import { fromFragment, toFragment } from "./app/link";
 import { element, html } from "./app/page";
-import { DEFAULT_STATE, type State, Store } from "./app/state";
+import { DEFAULT_STATE, METHODS, type State, Store } from "./app/state";
 import { Workbench } from "./app/workbench";
 import { Capsule, ModelError, text } from "./model/capsule";
 import { describe } from "./panels/model-card";
@@ -55,6 +55,10 @@ await show(Capsule.fetch(new URL(address, window.location.href)));
 async function show(opening: Promise<Capsule>): Promise<void> {
   try {
     const capsule = await opening;
+    // A link says which method it means; without one the model's own choice holds.
+    if (!isOpen && fromFragment(window.location.hash).method === undefined) {
+      store.set({ method: METHODS.find((method) => method === capsule.model.defaultMethod) ?? DEFAULT_STATE.method });
+    }
     workbench.open(capsule);
     describe(element("model", HTMLElement), capsule);
     isOpen = true;

@@ -11,9 +11,9 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen]
 pub struct Evaluation {
     shared: Rc<Shared>,
-    workspace: Box<Workspace<f64>>,
-    query: Query<f64>,
-    t: f64,
+    workspace: Box<Workspace<f32>>,
+    query: Query<f32>,
+    t: f32,
 }
 
 /// Scalars of an instant: lengths in l, velocity in V.
@@ -22,19 +22,19 @@ pub struct Evaluation {
 pub struct Readings {
     /// Extent along the channel.
     #[wasm_bindgen(readonly)]
-    pub axial_length: f64,
+    pub axial_length: f32,
     /// max |y| in the plane z = 0.
     #[wasm_bindgen(readonly)]
-    pub half_width: f64,
+    pub half_width: f32,
     /// Largest distance from the axis in the plane y = z.
     #[wasm_bindgen(readonly)]
-    pub half_diagonal: f64,
+    pub half_diagonal: f32,
     /// Depth of the rear cavity.
     #[wasm_bindgen(readonly)]
-    pub rear_depth: f64,
+    pub rear_depth: f32,
     /// Velocity of the volume centroid.
     #[wasm_bindgen(readonly)]
-    pub velocity: f64,
+    pub velocity: f32,
 }
 
 /// Closed curves of a plane section.
@@ -42,7 +42,7 @@ pub struct Readings {
 pub struct Curves {
     /// y, z, y, z, ... of all curves, one after another.
     #[wasm_bindgen(readonly)]
-    pub points: Vec<f64>,
+    pub points: Vec<f32>,
     /// Number of points of each curve.
     #[wasm_bindgen(readonly)]
     pub lengths: Vec<u32>,
@@ -57,8 +57,8 @@ impl Evaluation {
     /// Parameters that the core refuses: outside the domain without `extrapolate`, not positive, not finite.
     pub fn prepare(
         &mut self,
-        capillary_number: f64,
-        confinement: f64,
+        capillary_number: f32,
+        confinement: f32,
         method: &str,
         extrapolate: bool,
     ) -> Result<String, JsError> {
@@ -86,7 +86,7 @@ impl Evaluation {
 
     /// Goes to an instant, in l/V; it takes effect when something is asked.
     #[wasm_bindgen(js_name = goTo)]
-    pub fn go_to(&mut self, t: f64) {
+    pub fn go_to(&mut self, t: f32) {
         self.t = t;
     }
 
@@ -106,23 +106,23 @@ impl Evaluation {
     }
 
     /// Enclosed volume, in l^3; computes all nodes.
-    pub fn volume(&mut self) -> Result<f64, JsError> {
+    pub fn volume(&mut self) -> Result<f32, JsError> {
         self.ask(|instant| instant.volume())
     }
 
     /// Expected modified Hausdorff distance to the full-order model, laboratory frame, as a fraction of a.
     #[wasm_bindgen(js_name = expectedError)]
-    pub fn expected_error(&mut self) -> Result<f64, JsError> {
+    pub fn expected_error(&mut self) -> Result<f32, JsError> {
         self.ask(|instant| Ok(instant.expected_error()))
     }
 
     /// Axial position of the volume centroid in the laboratory frame, in l.
-    pub fn centroid(&mut self) -> Result<f64, JsError> {
+    pub fn centroid(&mut self) -> Result<f32, JsError> {
         self.ask(|instant| Ok(instant.centroid()))
     }
 
     /// An outline by name, from the front pole to the rear pole: x, r, x, r, ..., in l, laboratory frame.
-    pub fn outline(&mut self, name: &str) -> Result<Vec<f64>, JsError> {
+    pub fn outline(&mut self, name: &str) -> Result<Vec<f32>, JsError> {
         let mut points = vec![[0.0; 2]; self.shared.nodes];
         let count = self.ask(|instant| instant.outline(name, Frame::Laboratory, &mut points))?;
         points.truncate(count);
@@ -132,12 +132,11 @@ impl Evaluation {
     /// Positions of the vertices to draw, x, y, z, ..., in l, relative to the centroid.
     pub fn surface(&mut self) -> Result<Vec<f32>, JsError> {
         let nodes = self.all_nodes()?;
-        let vertices = self.shared.surface.positions(&nodes);
-        Ok(vertices.as_flattened().iter().map(|&number| number as f32).collect())
+        Ok(self.shared.surface.positions(&nodes).into_flattened())
     }
 
     /// The section by the plane at `offset` along the channel from the centroid, in l.
-    pub fn transversal(&mut self, offset: f64) -> Result<Curves, JsError> {
+    pub fn transversal(&mut self, offset: f32) -> Result<Curves, JsError> {
         let nodes = self.all_nodes()?;
         let curves = curves(self.shared.core(), &nodes, offset)?;
         Ok(Curves {
@@ -152,7 +151,7 @@ impl Evaluation {
         Self {
             shared,
             workspace: Box::default(),
-            query: Query::new(f64::NAN, f64::NAN, Method::Direct),
+            query: Query::new(f32::NAN, f32::NAN, Method::Direct),
             t: 0.0,
         }
     }
@@ -160,14 +159,14 @@ impl Evaluation {
     /// Puts a question to the core about the current query and instant.
     fn ask<A>(
         &mut self,
-        question: impl FnOnce(&mut Instant<'_, '_, f64, 64, 16, 32>) -> Result<A, capsule_core::EvaluateError>,
+        question: impl FnOnce(&mut Instant<'_, '_, f32, 64, 16, 32>) -> Result<A, capsule_core::EvaluateError>,
     ) -> Result<A, JsError> {
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
         evaluator.prepare(&self.query)?;
         Ok(question(&mut evaluator.at(self.t)?)?)
     }
 
-    fn all_nodes(&mut self) -> Result<Vec<[f64; 3]>, JsError> {
+    fn all_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {
         let scene = Scene {
             nodes: Nodes::All,
             frame: Frame::Centroid,

@@ -1,5 +1,5 @@
-//! capsule-core in the browser: a model, and evaluations of it. Numbers cross as they are (f64); drawing data as
-//! `Float32Array`. Every failure is a JavaScript `Error` with the core's text.
+//! capsule-core in the browser: a model, and evaluations of it in single precision, as natively and on a
+//! microcontroller, so that the same bits come out. Every failure is a JavaScript `Error` with the core's text.
 //!
 //! The page pays for what it asks: each method computes what it returns and nothing else.
 

@@ -2,6 +2,7 @@
 
 use crate::evaluation::Evaluation;
 use crate::surface::Surface;
+use capsule_core::Method;
 use capsule_core::model::MatrixView;
 use self_cell::self_cell;
 use std::rc::Rc;
@@ -104,6 +105,16 @@ impl Model {
     #[wasm_bindgen(getter, js_name = endTime)]
     pub fn end_time(&self) -> f64 {
         self.shared.core().end_time().into()
+    }
+
+    /// The method to take when the user has no wish: "direct" or "paper".
+    #[wasm_bindgen(getter, js_name = defaultMethod)]
+    pub fn default_method(&self) -> String {
+        match self.shared.core().contents().default_method {
+            Method::Direct => "direct",
+            Method::Paper => "paper",
+        }
+        .to_owned()
     }
 
     /// Ranges in which the model was sampled: least and greatest Ca, then least and greatest a/l.

@@ -8,18 +8,18 @@ use std::collections::BTreeMap;
 ///
 /// # Errors
 /// Fewer positions than the mesh has nodes.
-pub fn curves(model: &Model<'_>, positions: &[[f64; 3]], x: f64) -> Result<Vec<Vec<[f64; 2]>>, EvaluateError> {
+pub fn curves(model: &Model<'_>, positions: &[[f32; 3]], x: f32) -> Result<Vec<Vec<[f32; 2]>>, EvaluateError> {
     let mesh = model.mesh();
-    let mut segments: Vec<Segment<f64>> = vec![[[0.0; 2]; 2]; 4 * mesh.elements().len()];
+    let mut segments: Vec<Segment<f32>> = vec![[[0.0; 2]; 2]; 4 * mesh.elements().len()];
     let count = section(&mesh, positions, x, &mut segments)?;
     segments.truncate(count);
     Ok(chain(&segments))
 }
 
 /// Joins segments end to start; shared points have the same bits.
-fn chain(segments: &[Segment<f64>]) -> Vec<Vec<[f64; 2]>> {
-    let bits = |point: [f64; 2]| point.map(f64::to_bits);
-    let mut next: BTreeMap<[u64; 2], [f64; 2]> = segments.iter().map(|[from, to]| (bits(*from), *to)).collect();
+fn chain(segments: &[Segment<f32>]) -> Vec<Vec<[f32; 2]>> {
+    let bits = |point: [f32; 2]| point.map(f32::to_bits);
+    let mut next: BTreeMap<[u32; 2], [f32; 2]> = segments.iter().map(|[from, to]| (bits(*from), *to)).collect();
     let mut curves = Vec::new();
     while let Some((_, mut point)) = next.pop_first() {
         let mut curve = vec![point];
@@ -37,9 +37,9 @@ mod tests {
     use super::*;
 
     /// The segments of a regular polygon, every `stride`-th one after another.
-    fn polygon(corners: usize, radius: f64, stride: usize) -> Vec<Segment<f64>> {
+    fn polygon(corners: usize, radius: f32, stride: usize) -> Vec<Segment<f32>> {
         let corner = |i: usize| {
-            let (sin, cos) = (std::f64::consts::TAU * (i % corners) as f64 / corners as f64).sin_cos();
+            let (sin, cos) = (std::f32::consts::TAU * (i % corners) as f32 / corners as f32).sin_cos();
             [radius * cos, radius * sin]
         };
         (0..corners)
@@ -56,12 +56,12 @@ mod tests {
         curves.sort_by_key(Vec::len);
         assert_eq!(curves.iter().map(Vec::len).collect::<Vec<_>>(), [40, 64]);
         for (curve, radius) in curves.iter().zip([0.3, 0.8]) {
-            let side = 2.0 * radius * (std::f64::consts::PI / curve.len() as f64).sin();
+            let side = 2.0 * radius * (std::f32::consts::PI / curve.len() as f32).sin();
             for (i, [y, z]) in curve.iter().enumerate() {
                 let [next_y, next_z] = curve[(i + 1) % curve.len()];
-                assert!((y.hypot(*z) - radius).abs() < 1e-12);
+                assert!((y.hypot(*z) - radius).abs() < 1e-6);
                 assert!(
-                    ((next_y - y).hypot(next_z - z) - side).abs() < 1e-12,
+                    ((next_y - y).hypot(next_z - z) - side).abs() < 1e-6,
                     "consecutive points are neighbours"
                 );
             }

@@ -1,14 +1,14 @@
 import { DEFAULT_STATE, FRAMES, METHODS, QUANTITIES, SPEEDS, type State, VIEWS } from "./state";
 
-/** Writes the state as a URL fragment: only what differs from the default, and always the parameters and the time. */
+/** Writes the state as a URL fragment: always the query and the time, the rest where it differs from the default. */
 export function toFragment(state: State): string {
-  const fields = new URLSearchParams({ ca: short(state.ca), al: short(state.confinement), t: short(state.t) });
+  const { ca, confinement, t, method } = state;
+  const fields = new URLSearchParams({ ca: short(ca), al: short(confinement), t: short(t), method });
   const put = (name: string, value: string, standard: string) => {
     if (value !== standard) {
       fields.set(name, value);
     }
   };
-  put("method", state.method, DEFAULT_STATE.method);
   put("frame", state.frame, DEFAULT_STATE.frame);
   put("speed", String(state.speed), String(DEFAULT_STATE.speed));
   put("section", short(state.section), short(DEFAULT_STATE.section));

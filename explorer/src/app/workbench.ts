@@ -20,7 +20,8 @@ export class Workbench {
   readonly #map: ParameterMap;
   readonly #readouts: Readouts;
   readonly #time: TimeAxis;
-  readonly #solid: Solid | undefined;
+  /** Made when it is first shown; null where there is no WebGL. */
+  #solid: Solid | null | undefined;
   readonly #sections: Record<Outline, Longitudinal>;
   readonly #transversal: Transversal;
   readonly #visible: Visibility;
@@ -36,7 +37,6 @@ export class Workbench {
     this.#readouts = new Readouts(element("readouts", HTMLElement), announcement, (trace) => store.set({ trace }));
     const slider = element("time", HTMLInputElement);
     this.#time = new TimeAxis(element("track", HTMLElement), slider, (t) => store.set({ t }));
-    this.#solid = solid();
     const onSection = (section: number) => store.set({ section: Math.min(1.5, Math.max(-1.5, section)) });
     this.#sections = {
       midplane: new Longitudinal(element("midplane", HTMLElement), "plane z = 0", 1, onSection),
@@ -158,7 +158,7 @@ export class Workbench {
     const curves = section === undefined ? [] : split(section.points, section.lengths);
     section?.free();
 
-    const outlines = new Map<Outline, Float64Array>();
+    const outlines = new Map<Outline, Float32Array>();
     for (const name of OUTLINES) {
       if (seen(name) || (seen("solid") && shown(name))) outlines.set(name, now.outline(name));
     }
@@ -176,21 +176,9 @@ export class Workbench {
     if (seen("transversal")) {
       this.#transversal.draw({ curves, midplane: shown("midplane"), diagonal: shown("diagonal") });
     }
-    if (this.#solid !== undefined && seen("solid")) {
-      const cuts: { plane: Cut; points: Float32Array }[] = [];
-      for (const [name, outline] of outlines) {
-        if (shown(name)) cuts.push({ plane: name, points: cutPoints(outline, centroid, name) });
-      }
-      const [outer] = curves;
-      if (outer !== undefined) cuts.push({ plane: "transversal", points: loopPoints(outer, state.section) });
-      const scene: SolidScene = {
-        positions: now.surface(),
-        initial: state.initial ? capsule.initialSurface() : undefined,
-        centroid,
-        frame: state.frame,
-        cuts,
-      };
-      this.#solid.draw(scene);
+    if (seen("solid")) {
+      if (this.#solid === undefined) this.#solid = solid(capsule.model.triangles());
+      this.#solid?.draw(solidScene(capsule, state, centroid, outlines, curves[0]));
     }
   }
 
@@ -214,10 +202,12 @@ function figure(view: View): Element {
 }
 
 /** The space view, or a word of explanation in its place: everything else works without WebGL. */
-function solid(): Solid | undefined {
+function solid(triangles: Uint32Array): Solid | null {
   const stage = element("solid", HTMLElement);
   try {
-    return new Solid(stage);
+    const view = new Solid(stage);
+    view.setTriangles(triangles);
+    return view;
   } catch {
     stage.replaceChildren(
       html("p", {
@@ -227,11 +217,33 @@ function solid(): Solid | undefined {
           "to see the capsule in space, turn on hardware acceleration or use another browser.",
       }),
     );
-    return undefined;
+    return null;
   }
 }
 
-function split(points: Float64Array, lengths: Uint32Array): Float64Array[] {
+function solidScene(
+  capsule: Capsule,
+  state: State,
+  centroid: number,
+  outlines: ReadonlyMap<Outline, Float32Array>,
+  section: Float32Array | undefined,
+): SolidScene {
+  const cuts: { plane: Cut; points: Float32Array }[] = [];
+  for (const [plane, outline] of outlines) {
+    if (state.views.has(plane)) cuts.push({ plane, points: cutPoints(outline, centroid, plane) });
+  }
+  if (section !== undefined) cuts.push({ plane: "transversal", points: loopPoints(section, state.section) });
+  return {
+    positions: capsule.now.surface(),
+    // In the centroid's frame the two surfaces would lie in one another; there the sections compare them.
+    initial: state.initial && state.frame === "laboratory" ? capsule.initialSurface() : undefined,
+    centroid,
+    frame: state.frame,
+    cuts,
+  };
+}
+
+function split(points: Float32Array, lengths: Uint32Array): Float32Array[] {
   let start = 0;
   return [...lengths].map((length) => {
     const curve = points.subarray(2 * start, 2 * (start + length));

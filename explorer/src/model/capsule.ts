@@ -29,7 +29,7 @@ export class Capsule {
   #query: Query | undefined;
   #domain: Domain = "inside";
   #initialSurface: Float32Array | undefined;
-  readonly #initialOutlines = new Map<Outline, Float64Array>();
+  readonly #initialOutlines = new Map<Outline, Float32Array>();
 
   private constructor(model: Model, bytes: number) {
     this.model = model;
@@ -103,7 +103,7 @@ export class Capsule {
   }
 
   /** An outline at t = 0. */
-  initialOutline(name: Outline): Float64Array {
+  initialOutline(name: Outline): Float32Array {
     const outline = this.#initialOutlines.get(name) ?? this.#at(0).outline(name);
     this.#initialOutlines.set(name, outline);
     return outline;

@@ -8,6 +8,8 @@ const BUDGET_MS = 5;
 /** Half the thumb: the range input's ends lie this far inside its box. */
 const INSET = 7;
 const AXIS = 20;
+/** Room above the curve for its name. */
+const TOP = 22;
 
 /** The time slider, with the course of one read-out behind it. The curve is computed in the gaps between frames. */
 export class TimeAxis {
@@ -36,7 +38,9 @@ export class TimeAxis {
       const steps: Record<string, number> = { ArrowRight: 0.1, ArrowUp: 0.1, ArrowLeft: -0.1, ArrowDown: -0.1 };
       const step = steps[event.key];
       if (step === undefined) return;
-      onTime(stepped(this.#t, event.shiftKey ? step / 5 : step, this.#end));
+      // Kept at once: the next key may come before the next frame.
+      this.#t = stepped(this.#t, event.shiftKey ? step / 5 : step, this.#end);
+      onTime(this.#t);
       event.preventDefault();
       event.stopPropagation();
     });
@@ -71,9 +75,10 @@ export class TimeAxis {
     this.#input.ariaValueText = `${t.toFixed(2)} l/V`;
     if (this.#width === 0) return;
     const x = this.#toX(t);
-    set(this.#cursor, { x1: x, x2: x, y1: 2, y2: this.#height - AXIS });
-    this.#dot.toggleAttribute("hidden", value === undefined || this.#values.length < 2);
-    if (value !== undefined) set(this.#dot, { cx: x, cy: this.#toY(value) });
+    set(this.#cursor, { x1: x, x2: x, y1: TOP - 4, y2: this.#height - AXIS });
+    const hasDot = value !== undefined && this.#values.length > 1;
+    this.#dot.toggleAttribute("hidden", !hasDot);
+    if (hasDot) set(this.#dot, { cx: x, cy: this.#toY(value) });
   }
 
   /** Plots another course: `read` gives the value at an instant. A course that was under way is dropped. */
@@ -101,7 +106,7 @@ export class TimeAxis {
 
   readonly #toY = (value: number) => {
     const [low, high] = this.#range();
-    const [top, bottom] = [8, this.#height - AXIS - 5];
+    const [top, bottom] = [TOP, this.#height - AXIS - 5];
     return bottom - ((value - low) / (high - low)) * (bottom - top);
   };
 
@@ -131,7 +136,7 @@ export class TimeAxis {
       }
     }
     this.#axis.replaceChildren(...parts);
-    set(this.#span, { x: this.#width - INSET, y: 9 });
+    set(this.#span, { x: this.#width - INSET, y: 12 });
   }
 
   #drawCurve(): void {

@@ -1,9 +1,9 @@
 /** Curves on the membrane in space, relative to the centroid, lifted a little so that they do not sink into it. */
 
-const LIFT = 1.003;
+const LIFT = 1.006;
 
 /** Both halves of an outline (x, r, ..., laboratory frame), as the closed curve in its plane. */
-export function cutPoints(outline: Float64Array, centroid: number, plane: "midplane" | "diagonal"): Float32Array {
+export function cutPoints(outline: Float32Array, centroid: number, plane: "midplane" | "diagonal"): Float32Array {
   const count = outline.length / 2;
   const points = new Float32Array(6 * count);
   const [y, z] = plane === "midplane" ? [LIFT, 0] : [LIFT * Math.SQRT1_2, LIFT * Math.SQRT1_2];
@@ -17,7 +17,7 @@ export function cutPoints(outline: Float64Array, centroid: number, plane: "midpl
 }
 
 /** A closed curve (y, z, ...) in the plane at x. */
-export function loopPoints(curve: Float64Array, x: number): Float32Array {
+export function loopPoints(curve: Float32Array, x: number): Float32Array {
   const count = curve.length / 2;
   const points = new Float32Array(3 * (count + 1));
   for (let i = 0; i <= count; i++) {

@@ -1,12 +1,12 @@
 import type { Frame } from "../app/state";
-import { hatch, label, onResize, path, set, svg, ticks } from "./svg";
+import { hatch, label, onResize, set, smoothLoop, svg, ticks } from "./svg";
 
 /** What a longitudinal section shows; axial positions are in the laboratory frame. */
 export interface LongitudinalScene {
   /** Outline from the front pole to the rear pole: x, r, x, r, ... */
-  readonly outline: Float64Array;
+  readonly outline: Float32Array;
   /** The outline at t = 0, when it is to be shown. */
-  readonly initial: Float64Array | undefined;
+  readonly initial: Float32Array | undefined;
   /** Axial position of the centroid now. */
   readonly centroid: number;
   readonly frame: Frame;
@@ -103,16 +103,8 @@ export class Longitudinal {
     this.#left = laboratory ? page(scene.centroid, visible) : -visible / 2;
     const origin = laboratory ? 0 : scene.centroid;
     const toX = (x: number) => AXIS_WIDTH + (x - origin - this.#left) * this.#scale;
-    const closed = (outline: Float64Array, shift: number) =>
-      `${path(
-        outline,
-        (x) => toX(x + shift),
-        (_, r) => this.#toY(r),
-      )}${path(
-        reversed(outline),
-        (x) => toX(x + shift),
-        (_, r) => this.#toY(-r),
-      ).replace("M", "L")}Z`;
+    const closed = (outline: Float32Array, shift: number) =>
+      smoothLoop(loop(outline), (x) => toX(x + shift), this.#toY);
     set(this.#membrane, { d: closed(scene.outline, 0) });
     // In the centroid's frame both shapes are laid over one another; the centroid starts at x = 0.
     set(this.#initial, { d: scene.initial ? closed(scene.initial, laboratory ? 0 : scene.centroid) : "" });
@@ -153,11 +145,12 @@ export function page(centroid: number, visible: number): number {
   return Math.floor(centroid / advance + 1e-9) * advance - (visible - advance) / 2;
 }
 
-function reversed(points: Float64Array): Float64Array {
-  const out = new Float64Array(points.length);
-  for (let i = 0; i + 1 < points.length; i += 2) {
-    out[i] = points[points.length - 2 - i] ?? 0;
-    out[i + 1] = points[points.length - 1 - i] ?? 0;
-  }
-  return out;
+/** Both halves of an outline that runs from pole to pole; the poles, on the axis, are there once. */
+function loop(outline: Float32Array): (readonly [number, number])[] {
+  const half = Array.from(
+    { length: outline.length / 2 },
+    (_, i) => [outline[2 * i] ?? 0, outline[2 * i + 1] ?? 0] as const,
+  );
+  const mirrored = half.slice(1, -1).map(([x, r]) => [x, -r] as const);
+  return [...half, ...mirrored.reverse()];
 }

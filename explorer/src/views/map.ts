@@ -199,13 +199,15 @@ export class ParameterMap {
     if (direction === undefined) return;
     const share = event.shiftKey ? 0.2 : 1;
     const { ca, confinement } = this.#point;
-    this.#onChoice({
+    // Kept at once: the next key may come before the next frame.
+    this.#point = {
       ca: clamp(rounded(ca + direction[0] * STEP.ca * share, 0.001), 0.001, this.#caSpan[1]),
       confinement: clamp(
         rounded(confinement + direction[1] * STEP.confinement * share, 0.002),
         ...this.#confinementSpan,
       ),
-    });
+    };
+    this.#onChoice(this.#point);
     event.preventDefault();
     event.stopPropagation();
   }

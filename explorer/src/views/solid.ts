@@ -28,7 +28,7 @@ import { label, onResize } from "./svg";
 export interface SolidScene {
   /** Node positions x, y, z, ...; read during the call, not kept. */
   readonly positions: Float32Array;
-  /** Positions at t = 0 in the laboratory frame, when they are to be shown. */
+  /** Vertices at t = 0, when the centroid was at x = 0, where they are to be shown. */
   readonly initial: Float32Array | undefined;
   /** Axial position of the centroid in the laboratory frame. */
   readonly centroid: number;
@@ -50,8 +50,14 @@ export class Solid {
   readonly #camera = new PerspectiveCamera(24, 1, 0.1, 100);
   readonly #controls: OrbitControls;
   readonly #surface = new MeshStandardMaterial({ side: DoubleSide, roughness: 0.5, metalness: 0 });
-  readonly #ghost = new MeshBasicMaterial({ transparent: true, opacity: 0.13, depthWrite: false });
-  readonly #wall = new MeshBasicMaterial({ transparent: true, opacity: 0.05, side: DoubleSide, depthWrite: false });
+  readonly #ghost = new MeshStandardMaterial({ transparent: true, opacity: 0.22, roughness: 0.8, depthWrite: false });
+  readonly #wall = new MeshBasicMaterial({
+    vertexColors: true,
+    transparent: true,
+    opacity: 0.07,
+    side: DoubleSide,
+    depthWrite: false,
+  });
   readonly #edge = new LineBasicMaterial({ vertexColors: true, transparent: true });
   readonly #capsule = new Mesh(new BufferGeometry(), this.#surface);
   readonly #initial = new Mesh(new BufferGeometry(), this.#ghost);
@@ -136,7 +142,7 @@ export class Solid {
     const style = getComputedStyle(document.documentElement);
     const colour = (name: string) => style.getPropertyValue(`--${name}`).trim();
     this.#surface.color.set(colour("membrane"));
-    this.#ghost.color.set(colour("ink"));
+    this.#ghost.color.set(colour("wall"));
     this.#wall.color.set(colour("wall"));
     this.#edge.color.set(colour("wall"));
     for (const [plane, line] of Object.entries(this.#cuts)) {
@@ -159,7 +165,7 @@ export class Solid {
     this.#initial.visible = scene.initial !== undefined;
     if (scene.initial !== undefined) {
       replace(this.#initial.geometry, scene.initial);
-      this.#initial.position.x = scene.frame === "laboratory" ? -scene.centroid : 0;
+      this.#initial.position.x = -scene.centroid;
     }
     for (const line of Object.values(this.#cuts)) {
       line.visible = false;
@@ -218,10 +224,14 @@ export class Solid {
   /** The wall below and the one behind, barely tinted. */
   #walls(): Group {
     const group = new Group();
-    const floor = new Mesh(new PlaneGeometry(2 * REACH, 2), this.#wall);
+    const plane = new PlaneGeometry(2 * REACH, 2, 2 * REACH, 1);
+    const x = plane.getAttribute("position");
+    const fades = Float32Array.from({ length: 4 * x.count }, (_, i) => (i % 4 === 3 ? fadeOut(x.getX(i >> 2)) : 1));
+    plane.setAttribute("color", new BufferAttribute(fades, 4));
+    const floor = new Mesh(plane, this.#wall);
     floor.rotation.x = -Math.PI / 2;
     floor.position.y = -1;
-    const back = new Mesh(new PlaneGeometry(2 * REACH, 2), this.#wall);
+    const back = new Mesh(plane, this.#wall);
     back.position.z = -1;
     group.add(floor, back);
     return group;
@@ -229,7 +239,7 @@ export class Solid {
 
   /** Steps back on a narrow stage, so that the capsule and the walls around it fit its width. */
   #frameCapsule(): void {
-    const wanted = 2.5 / Math.min(1, this.#camera.aspect * 0.62);
+    const wanted = 2.05 / Math.min(1, this.#camera.aspect * 0.62);
     const distance = wanted / Math.tan((this.#camera.fov * Math.PI) / 360);
     this.#camera.position.setLength(Math.min(distance, this.#controls.maxDistance));
     this.#camera.updateProjectionMatrix();

@@ -38,6 +38,24 @@ export function path(
   return text;
 }
 
+/** The closed path through points, smooth between them (Catmull and Rom 1974), after mapping each to pixels. */
+export function smoothLoop(
+  points: readonly (readonly [number, number])[],
+  toX: (x: number) => number,
+  toY: (y: number) => number,
+): string {
+  const pixels = points.map(([x, y]) => [toX(x), toY(y)] as const);
+  const at = (i: number) => pixels[(i + pixels.length) % pixels.length] ?? [0, 0];
+  let text = `M${fixed(at(0)[0])} ${fixed(at(0)[1])}`;
+  for (let i = 0; i < pixels.length; i++) {
+    const [before, from, to, after] = [at(i - 1), at(i), at(i + 1), at(i + 2)];
+    const leave = [from[0] + (to[0] - before[0]) / 6, from[1] + (to[1] - before[1]) / 6] as const;
+    const reach = [to[0] - (after[0] - from[0]) / 6, to[1] - (after[1] - from[1]) / 6] as const;
+    text += `C${[...leave, ...reach, ...to].map(fixed).join(" ")}`;
+  }
+  return `${text}Z`;
+}
+
 /** Diagonal hatching for what lies outside, as a fill: `url(#id)`. */
 export function hatch(parent: SVGSVGElement, id: string): string {
   const pattern = svg("pattern", { id, width: 6, height: 6, patternUnits: "userSpaceOnUse" }, svg("defs", {}, parent));

@@ -3,7 +3,7 @@ import { hatch, label, onResize, path, set, svg } from "./svg";
 /** What the transversal section shows. */
 export interface TransversalScene {
   /** Closed curves y, z, y, z, ...: none where the plane misses the capsule, two where it cuts the rear cavity. */
-  readonly curves: readonly Float64Array[];
+  readonly curves: readonly Float32Array[];
   /** Which longitudinal planes are shown beside, to be marked. */
   readonly midplane: boolean;
   readonly diagonal: boolean;
@@ -78,7 +78,7 @@ export class Transversal {
     const scene = this.#scene;
     if (scene === undefined || this.#size === 0) return;
     const [toX, toY] = [this.#toX, this.#toY];
-    const loop = (curve: Float64Array) =>
+    const loop = (curve: Float32Array) =>
       `${path(
         curve,
         (y) => toX(y),

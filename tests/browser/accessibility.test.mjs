@@ -1,0 +1,69 @@
+// axe-core finds nothing to object to: wide and narrow, light and dark, with and without an answer.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+import { openPage, serve, startBrowser } from "./support.mjs";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const SITUATIONS = {
+  "desktop, light": ["", { viewport: { width: 1440, height: 900 }, colorScheme: "light" }],
+  "desktop, dark": ["", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
+  "phone, light": ["", { viewport: { width: 390, height: 844 }, colorScheme: "light" }],
+  "refused parameters": ["#ca=0.9&al=0.9", { viewport: { width: 1440, height: 900 } }],
+  "refused parameters, dark": ["#ca=0.9&al=0.9", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
+  "missing model": ["?model=./nothing.crom", { viewport: { width: 1440, height: 900 } }],
+};
+
+let browser;
+let server;
+
+before(async () => {
+  server = await serve();
+  browser = await startBrowser();
+});
+
+after(async () => {
+  await browser?.close();
+  server?.stop();
+});
+
+for (const [situation, [address, options]] of Object.entries(SITUATIONS)) {
+  test(`accessibility: ${situation}`, async () => {
+    const { page, close } = await openPage(browser, `${server.url}${address}`, options);
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => window.axe.run(document));
+    const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
+    assert.deepEqual(found, []);
+    await close();
+  });
+}
+
+test("nothing is wider than a phone", async () => {
+  const { page, close } = await openPage(browser, server.url, { viewport: { width: 360, height: 740 } });
+  const [content, window_] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+  assert.ok(content <= window_, `${content} px of content in ${window_} px`);
+  await close();
+});
+
+test("every control is reached by the Tab key and shows that it has the focus", async () => {
+  const { page, close } = await openPage(browser, server.url);
+  const reached = new Set();
+  for (let i = 0; i < 60; i++) {
+    await page.keyboard.press("Tab");
+    const found = await page.evaluate(() => {
+      const { activeElement } = document;
+      if (activeElement === null || activeElement === document.body) return null;
+      const id = activeElement.id || activeElement.dataset.toggles || activeElement.name || activeElement.tagName;
+      return { id, visible: activeElement.matches(":focus-visible") };
+    });
+    if (found === null) break;
+    assert.ok(found.visible, `${found.id} shows its focus`);
+    reached.add(found.id);
+  }
+  for (const id of ["copy-link", "map-point", "ca", "confinement", "method", "frame", "play", "time", "speed", "section"]) {
+    assert.ok(reached.has(id), `${id} is reached; reached: ${[...reached].join(", ")}`);
+  }
+  await close();
+});

@@ -1,0 +1,107 @@
+// What the tests share: the server, the browser, a page that fails on console errors, and the native core.
+
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync } from "node:fs";
+import { createServer } from "node:net";
+import { resolve } from "node:path";
+import { chromium } from "playwright-core";
+
+const ROOT = resolve(import.meta.dirname, "../..");
+const ARGUMENTS = [
+  "--no-sandbox",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+];
+
+/** The shipped model, or the one that the page was built with. */
+export const MODEL = resolve(ROOT, process.env.CAPSULE_MODEL ?? "models/capsule.crom");
+
+/** Starts Chromium; CHROMIUM names another executable. `extra` are further arguments. */
+export function startBrowser(extra = []) {
+  const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+  return chromium.launch({ executablePath, args: [...ARGUMENTS, ...extra] });
+}
+
+/** Serves explorer/dist on a free port, unless BASE_URL names a server. Returns its address and a way to stop it. */
+export async function serve() {
+  if (process.env.BASE_URL !== undefined) {
+    return { url: process.env.BASE_URL.replace(/\/?$/, "/"), stop: () => {} };
+  }
+  const explorer = resolve(ROOT, "explorer");
+  if (!existsSync(resolve(explorer, "dist/index.html"))) {
+    throw new Error("explorer/dist is missing: `cargo xtask explore --build-only` builds it");
+  }
+  const port = await freePort();
+  const vite = resolve(explorer, "node_modules/vite/bin/vite.js");
+  const server = spawn(
+    process.execPath,
+    [vite, "preview", "--host", "127.0.0.1", "--port", String(port), "--strictPort"],
+    { cwd: explorer, stdio: "ignore" },
+  );
+  const url = `http://127.0.0.1:${port}/`;
+  for (let attempt = 0; attempt < 150; attempt++) {
+    if (server.exitCode !== null) {
+      throw new Error(`vite preview ended with exit code ${server.exitCode}`);
+    }
+    if (await fetch(url).then((response) => response.ok, () => false)) {
+      return { url, stop: () => server.kill() };
+    }
+    await new Promise((wake) => setTimeout(wake, 200));
+  }
+  server.kill();
+  throw new Error(`vite preview did not answer on ${url} within 30 s`);
+}
+
+function freePort() {
+  return new Promise((found, failed) => {
+    const probe = createServer();
+    probe.once("error", failed);
+    probe.listen(0, "127.0.0.1", () => {
+      const { port } = probe.address();
+      probe.close(() => found(port));
+    });
+  });
+}
+
+/** Opens the page and waits until it is ready or has failed; `errors` gathers what the console reports. */
+export async function openPage(browser, address, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  const page = await context.newPage();
+  const errors = [];
+  page.on("pageerror", (error) => errors.push(String(error)));
+  page.on("console", (message) => {
+    if (message.type() === "error") errors.push(message.text());
+  });
+  await page.goto(address);
+  await page.waitForFunction(() => document.body.dataset.status !== "loading");
+  await settled(page);
+  return { page, errors, close: () => context.close() };
+}
+
+/** Waits until the frame after the latest change has been drawn. */
+export async function settled(page) {
+  await page.evaluate(() => new Promise((wake) => requestAnimationFrame(() => requestAnimationFrame(wake))));
+}
+
+/** The read-outs on screen in full precision, by name; those without a value are left out. */
+export function figures(page) {
+  return page.$$eval("output[data-value]", (outputs) =>
+    Object.fromEntries(outputs.map((output) => [output.dataset.quantity, Number(output.dataset.value)])),
+  );
+}
+
+/** What the native core says: the JSON of `capsule-rom predict`. CAPSULE_ROM names the program. */
+export function predict(ca, confinement, times, method) {
+  const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
+  const program = process.env.CAPSULE_ROM ?? built;
+  if (!existsSync(program)) {
+    throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
+  }
+  const options = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
+  return JSON.parse(execFileSync(program, ["predict", ...options.map(String), "--model", MODEL, "--json"], { encoding: "utf8" }));
+}
