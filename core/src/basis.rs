@@ -7,7 +7,7 @@
 //! is that of the snapshots and not its square.
 
 use crate::Real;
-use crate::linalg::{add_scaled, dot, jacobi};
+use crate::linalg::{add_scaled, dot, jacobi, part, part_mut};
 use crate::motion::Field;
 
 /// A local basis: `rank` orthonormal rows of W^T over the global coefficients.
@@ -26,54 +26,57 @@ impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
     /// The basis of a field from its snapshots at all stored instants. `factor` is room for the triangular factor.
     /// The rank is at most `wanted`, and less where the snapshots have no more.
     pub(crate) fn learn(&mut self, field: &Field<'_, '_, T>, instants: usize, wanted: usize, factor: &mut [[T; K]; K]) {
-        let shape = 1..field.rank();
-        let factor = &mut factor[..shape.len()];
+        let rank = field.rank();
+        let columns = rank - 1;
+        let factor = part_mut(factor, 0..columns);
         factor.as_flattened_mut().fill(T::ZERO);
         let mut snapshot = [T::ZERO; K];
         for instant in 0..instants {
-            field.at_instant(instant, &mut snapshot[..shape.end]);
-            absorb(factor, &mut snapshot[shape.clone()]);
+            field.at_instant(instant, part_mut(&mut snapshot, 0..rank));
+            absorb(factor, part_mut(&mut snapshot, 1..rank));
         }
-        jacobi::orthogonalise(factor, shape.len());
+        jacobi::orthogonalise(factor, columns);
 
-        self.rows[0].fill(T::ZERO);
+        let mut lengths = [T::ZERO; K];
+        for (length, row) in lengths.iter_mut().zip(&*factor) {
+            let row = part(row, 0..columns);
+            *length = dot(row, row).sqrt();
+        }
+        let largest = lengths.iter().copied().fold(T::ZERO, T::max);
+        let floor = largest * T::EPSILON * T::from_index(columns);
+        self.rows = [[T::ZERO; K]; M];
         self.rows[0][0] = T::ONE;
         self.rank = 1;
-        let norm = |row: &[T; K]| dot(&row[..shape.len()], &row[..shape.len()]).sqrt();
-        let largest = factor.iter().map(norm).fold(T::ZERO, T::max);
-        let floor = largest * T::EPSILON * T::from_index(shape.len());
-        while self.rank < wanted.min(M) {
-            // The longest row left; taken rows are cleared.
-            let mut longest = (T::ZERO, 0);
-            for (index, row) in factor.iter().enumerate() {
-                let length = norm(row);
-                if length > longest.0 {
-                    longest = (length, index);
-                }
-            }
-            let (length, index) = longest;
+        for out in self.rows.iter_mut().take(wanted).skip(1) {
+            // The longest row that is not taken yet.
+            let longer = |a: (T, usize), b: (T, usize)| if b.0 > a.0 { b } else { a };
+            let lengths_left = lengths.iter().copied().zip(0..columns);
+            let (length, index) = lengths_left.fold((T::ZERO, 0), longer);
             if length <= floor {
                 break;
             }
-            let row = &mut self.rows[self.rank];
-            row.fill(T::ZERO);
-            for (out, value) in row[shape.clone()].iter_mut().zip(&mut factor[index]) {
+            for (out, value) in out
+                .iter_mut()
+                .skip(1)
+                .zip(part(factor, index..index + 1).as_flattened())
+                .take(columns)
+            {
                 *out = *value / length;
-                *value = T::ZERO;
             }
+            part_mut(&mut lengths, index..index + 1).fill(T::ZERO);
             self.rank += 1;
         }
     }
 
     /// The rows of W^T.
     pub(crate) fn rows(&self) -> &[[T; K]] {
-        &self.rows[..self.rank]
+        part(&self.rows, 0..self.rank)
     }
 
     /// out <- W^T x: local coordinates of global coefficients.
     pub(crate) fn project(&self, x: &[T], out: &mut [T; M]) {
         for (out, row) in out.iter_mut().zip(self.rows()) {
-            *out = dot(&row[..x.len()], x);
+            *out = dot(part(row, 0..x.len()), x);
         }
     }
 
@@ -88,9 +91,11 @@ impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
 
 /// Rotates a snapshot into the triangular factor R of the snapshots absorbed before (Givens rotations).
 fn absorb<T: Real, const K: usize>(factor: &mut [[T; K]], snapshot: &mut [T]) {
-    let n = snapshot.len();
     for (k, row) in factor.iter_mut().enumerate() {
-        let (a, b) = (row[k], snapshot[k]);
+        let (row, snapshot) = (part_mut(row, k..K), part_mut(snapshot, k..snapshot.len()));
+        let (Some(&mut a), Some(&mut b)) = (row.first_mut(), snapshot.first_mut()) else {
+            return;
+        };
         if b == T::ZERO {
             continue;
         }
@@ -98,7 +103,7 @@ fn absorb<T: Real, const K: usize>(factor: &mut [[T; K]], snapshot: &mut [T]) {
         let (p, q) = (a / largest, b / largest);
         let scale = T::ONE / (p * p + q * q).sqrt();
         let (cosine, sine) = (p * scale, q * scale);
-        for (r, x) in row[k..n].iter_mut().zip(&mut snapshot[k..]) {
+        for (r, x) in row.iter_mut().zip(snapshot) {
             (*r, *x) = (cosine * *r + sine * *x, cosine * *x - sine * *r);
         }
     }

@@ -1,6 +1,7 @@
 //! Direct evaluation: any instant at random from the interpolated coefficients of its time interval.
 
 use crate::Real;
+use crate::linalg::part_mut;
 use crate::motion::Motion;
 
 /// Displacement coefficients and their rates at the ends of one interval between stored instants.
@@ -24,11 +25,11 @@ impl<T: Real, const K: usize> Interval<T, K> {
             displacement, velocity, ..
         } = motion;
         let mut xi = [T::ZERO; K];
-        let xi = &mut xi[..velocity.rank()];
+        let xi = part_mut(&mut xi, 0..velocity.rank());
         for (end, (values, rates)) in self.values.iter_mut().zip(&mut self.rates).enumerate() {
-            displacement.at_instant(number + end, &mut values[..displacement.rank()]);
+            displacement.at_instant(number + end, part_mut(values, 0..displacement.rank()));
             velocity.at_instant(number + end, xi);
-            motion.rate(xi, &mut rates[..displacement.rank()]);
+            motion.rate(xi, part_mut(rates, 0..displacement.rank()));
         }
         self.number = Some(number);
     }

@@ -2,7 +2,7 @@
 
 use crate::Real;
 use crate::basis::Basis;
-use crate::linalg::dot;
+use crate::linalg::{dot, part, part_mut};
 use crate::manifold::Manifold;
 use crate::model::wire::Paper;
 use crate::motion::Motion;
@@ -101,8 +101,8 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         self.velocity.learn(v, instants, settings.velocity_rank.into(), scratch);
         self.q = [[T::ZERO; M]; M];
         let mut rate = [T::ZERO; K];
-        for (j, mode) in self.velocity.rows().iter().enumerate() {
-            motion.rate(&mode[..v.rank()], &mut rate[..u.rank()]);
+        for (j, mode) in self.velocity.rows().iter().enumerate().take(M) {
+            motion.rate(part(mode, 0..v.rank()), part_mut(&mut rate, 0..u.rank()));
             for (q, row) in self.q.iter_mut().zip(self.displacement.rows()) {
                 q[j] = dot(row, &rate);
             }
@@ -156,7 +156,7 @@ fn snapshot<T: Real, const K: usize, const M: usize>(
         (&motion.displacement, displacement, alpha),
         (&motion.velocity, velocity, xi),
     ] {
-        let global = &mut global[..field.rank()];
+        let global = part_mut(&mut global, 0..field.rank());
         field.at_instant(instant, global);
         basis.project(global, out);
     }

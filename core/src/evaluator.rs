@@ -4,6 +4,7 @@ use crate::direct;
 use crate::error::EvaluateError;
 use crate::expected_error::expected_error;
 use crate::interpolate::{RIDGE_ROWS, Weights};
+use crate::linalg::{part, part_mut};
 use crate::model::wire::Cluster;
 use crate::model::{MatrixView, Model};
 use crate::motion::Motion;
@@ -68,7 +69,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         let workspace = &mut *self.workspace;
         workspace.forget();
         let contents = self.model.contents();
-        let cluster = self.model.cluster(query.confinement);
+        let Some(cluster) = self.model.cluster(query.confinement) else {
+            return Err(EvaluateError::NotPrepared);
+        };
         let samples = MatrixView::new(&cluster.samples).pairs();
         let parameters = [query.capillary_number, query.confinement];
         workspace.weights = match query.method {
@@ -83,7 +86,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             .zip(&mut workspace.psi)
         {
             let modes = MatrixView::new(&field.parameter_modes);
-            workspace.weights.combine(&modes, &mut psi[..modes.columns()]);
+            workspace.weights.combine(&modes, part_mut(psi, 0..modes.columns()));
         }
         workspace.prepared = Some(Prepared {
             digest,
@@ -150,8 +153,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             .prepared
             .filter(|prepared| prepared.digest == self.model.digest());
         let query = prepared.ok_or(EvaluateError::NotPrepared)?.query;
+        let cluster = self
+            .model
+            .cluster(query.confinement)
+            .ok_or(EvaluateError::NotPrepared)?;
         Ok(Instant {
             model: self.model,
+            cluster,
             workspace: self.workspace,
             query,
             t,
@@ -164,6 +172,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
 #[derive(Debug)]
 pub struct Instant<'e, 'a, T, const K: usize, const M: usize, const N: usize> {
     model: &'a Model<'a>,
+    cluster: &'a Cluster<'a>,
     workspace: &'e mut Workspace<T, K, M, N>,
     query: Query<T>,
     t: T,
@@ -185,7 +194,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     pub fn centroid_velocity(&mut self) -> T {
         let coefficient = match self.query.method {
             Method::Direct if self.workspace.velocity.t != Some(self.t) => {
-                direct::velocity(&Motion::new(self.model, self.cluster(), &self.workspace.psi), 0, self.t)
+                direct::velocity(&Motion::new(self.model, self.cluster, &self.workspace.psi), 0, self.t)
             }
             _ => {
                 self.velocity();
@@ -240,12 +249,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     pub fn velocities(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         self.velocity();
         let coefficients = &self.workspace.velocity.values;
-        let modes = MatrixView::new(&self.cluster().velocity.modes);
+        let modes = MatrixView::new(&self.cluster.velocity.modes);
         let translation = match scene.frame {
             Frame::Laboratory => coefficients[0] / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
-        let coefficients = &coefficients[1..modes.columns() + 1];
+        let coefficients = part(coefficients, 1..modes.columns() + 1);
         let field = Snapshot {
             mesh: self.model.mesh(),
             modes,
@@ -273,17 +282,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
 
     /// Expected modified Hausdorff distance to the truth in the laboratory frame, as a fraction of a.
     pub fn expected_error(&self) -> T {
-        let cluster = self.cluster();
+        let cluster = self.cluster;
         let errors = match self.query.method {
             Method::Direct => &cluster.direct_errors,
             Method::Paper => &cluster.paper_errors,
         };
         let instants = MatrixView::new(&self.model.contents().error_times);
         expected_error(errors, &instants, &self.workspace.weights, self.t)
-    }
-
-    fn cluster(&self) -> &'a Cluster<'a> {
-        self.model.cluster(self.query.confinement)
     }
 
     /// sqrt(N_x), the scale of the translation's coefficient.
@@ -294,7 +299,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// Brings the displacement's coefficients to this instant.
     fn displacement(&mut self) {
         let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
-        let cluster = self.cluster();
+        let cluster = self.cluster;
         let Workspace {
             displacement: Coefficients { t: computed, values },
             psi,
@@ -307,7 +312,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             return;
         }
         let motion = Motion::new(self.model, cluster, psi);
-        let out = &mut values[..motion.displacement.rank()];
+        let out = part_mut(values, 0..motion.displacement.rank());
         match self.query.method {
             Method::Direct => interval.displacement(&motion, t, out),
             Method::Paper => dynamics.displacement(&motion, paper, step, t, scratch, out),
@@ -317,7 +322,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// Brings the velocity's coefficients to this instant.
     fn velocity(&mut self) {
         let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
-        let cluster = self.cluster();
+        let cluster = self.cluster;
         let Workspace {
             velocity: Coefficients { t: computed, values },
             psi,
@@ -329,7 +334,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             return;
         }
         let motion = Motion::new(self.model, cluster, psi);
-        let out = &mut values[..motion.velocity.rank()];
+        let out = part_mut(values, 0..motion.velocity.rank());
         match self.query.method {
             Method::Direct => {
                 for (k, out) in out.iter_mut().enumerate() {
@@ -343,13 +348,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// The surface at this instant.
     fn shape(&mut self, frame: Frame) -> Snapshot<'a, '_, T> {
         self.displacement();
-        let modes = MatrixView::new(&self.cluster().displacement.modes);
+        let modes = MatrixView::new(&self.cluster.displacement.modes);
         let coefficients = &self.workspace.displacement.values;
         let translation = match frame {
             Frame::Laboratory => coefficients[0] / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
-        let coefficients = &coefficients[1..modes.columns() + 1];
+        let coefficients = part(coefficients, 1..modes.columns() + 1);
         Snapshot {
             mesh: self.model.mesh(),
             modes,

@@ -104,7 +104,7 @@ fn fit<T: Real, const M: usize>(
     for i in 0..MOST {
         dual[i][i] += T::FIT_RIDGE * trace;
     }
-    cholesky::solve(dual.as_flattened_mut(), MOST, 0, &mut share);
+    cholesky::solve(&mut dual, 0, &mut share);
 
     let centre = mean(&weights, xi);
     let mut result = centre;

@@ -1,6 +1,7 @@
 //! One query's view of the model: the double POD of both fields with the parameters already contracted.
 
 use crate::Real;
+use crate::linalg::part;
 use crate::model::wire::{self, Cluster};
 use crate::model::{MatrixView, Model};
 
@@ -42,7 +43,7 @@ impl<'a, 's, T: Real> Field<'a, 's, T> {
     /// `psi` holds at least K_c entries.
     pub(crate) fn new(field: &wire::Field<'a>, psi: &'s [T]) -> Self {
         let coefficients = MatrixView::new(&field.coefficients);
-        let psi = &psi[..coefficients.columns()];
+        let psi = part(psi, 0..coefficients.columns());
         Self {
             modes: MatrixView::new(&field.modes),
             coefficients,

@@ -66,12 +66,20 @@ impl<T: Real> Snapshot<'_, '_, T> {
     fn fill_all(&self, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         let sector = self.mesh.sector_nodes();
         for (index, node) in sector.iter().enumerate() {
-            out[node] = finite(self.sector_node(index))?;
+            if let Some(out) = out.get_mut(node) {
+                *out = finite(self.sector_node(index))?;
+            }
         }
         for node in 0..out.len() {
+            let origin = self
+                .mesh
+                .origin(node)
+                .and_then(|(index, operation)| Some((sector.get(index)?, operation)));
             // Validation found a representative for every node and a full node for every representative.
-            let (representative, operation) = self.mesh.origin(node).unwrap_or_default();
-            out[node] = apply(operation, out[sector.get(representative).unwrap_or_default()]);
+            let Some((origin, operation)) = origin else { continue };
+            if let Some(vector) = out.get(origin).copied() {
+                out[node] = apply(operation, vector);
+            }
         }
         Ok(out.len())
     }

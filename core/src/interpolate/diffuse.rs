@@ -9,16 +9,14 @@ use super::neighbours::{Neighbour, nearest};
 use super::{MONOMIALS, Weights, at_query};
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::Qr;
+use crate::linalg::{Qr, part, part_mut};
 use crate::model::wire::Paper;
 
 /// Square root of the ridge on the second-order terms.
 const RIDGE: f32 = 1e-4;
 /// Degree that is reproduced wherever the samples lie: twelve of them may lie on two rows of a grid.
 const SURE_DEGREE: usize = 1;
-/// Numbers of the second-order monomials.
-const SECOND_ORDER: core::ops::Range<usize> = 3..MONOMIALS;
-/// Rows that the ridge takes beside those of the samples.
+/// Rows that the ridge takes beside those of the samples: one for each second-order monomial, the last of all.
 pub(crate) const RIDGE_ROWS: usize = MONOMIALS - 3;
 
 /// w(d) = 2 d^3 - 3 d^2 + 1 for d <= 1, else 0 (eq. 28).
@@ -42,42 +40,43 @@ impl<T: Real, const N: usize> Weights<T, N> {
         query: [T; 2],
         left_out: Option<usize>,
     ) -> Result<Self, EvaluateError> {
-        const { assert!(N > SECOND_ORDER.end, "more neighbours than monomials") };
+        const { assert!(N > MONOMIALS, "more neighbours than monomials") };
         let scale = T::from_f64(settings.capillary_scale);
         let offsets = samples.map(|sample| [scale * (sample[0] - query[0]), sample[1] - query[1]]);
         let mut neighbours = [Neighbour::NONE; N];
-        // The ridge takes some of the rows.
-        let capacity = N - RIDGE_ROWS;
-        let found = nearest(offsets, left_out, &mut neighbours[..capacity]);
+        let found = nearest(offsets, left_out, part_mut(&mut neighbours, 0..N - RIDGE_ROWS));
         let holds = usize::from(settings.neighbours).clamp(1, found.max(1));
-        let radius = T::from_f64(settings.radius) * neighbours[holds - 1].distance;
+        let last = part(&neighbours, 0..holds).last().map_or(T::ZERO, |last| last.distance);
+        let radius = T::from_f64(settings.radius) * last;
         let within = |neighbour: &&Neighbour<T>| neighbour.distance < radius || neighbour.distance == T::ZERO;
-        let n = neighbours[..found].iter().take_while(within).count();
-        let mut weights = Self::new(&neighbours[..n], radius, SURE_DEGREE);
+        let n = neighbours.iter().take(found).take_while(within).count();
+        let mut weights = Self::new(part(&neighbours, 0..n), radius, SURE_DEGREE);
 
         let mut columns = weights.monomials();
         let mut roots = [T::ZERO; N];
-        for (j, neighbour) in neighbours[..n].iter().enumerate() {
+        for (root, neighbour) in roots.iter_mut().zip(&neighbours).take(n) {
             let d = if radius > T::ZERO {
                 neighbour.distance / radius
             } else {
                 T::ZERO
             };
-            roots[j] = weight(d).sqrt();
-            for column in &mut columns {
-                column[j] *= roots[j];
+            *root = weight(d).sqrt();
+        }
+        for column in &mut columns {
+            for (value, root) in column.iter_mut().zip(&roots) {
+                *value *= *root;
             }
         }
-        for (row, monomial) in SECOND_ORDER.enumerate() {
-            columns[monomial][n + row] = T::from_f32(RIDGE);
+        for (row, column) in columns.iter_mut().skip(MONOMIALS - RIDGE_ROWS).enumerate() {
+            if let Some(value) = column.get_mut(n + row) {
+                *value = T::from_f32(RIDGE);
+            }
         }
         let qr = Qr::new(n + RIDGE_ROWS, columns);
-        let mut solution = [T::ZERO; N];
-        qr.solve_transposed(&at_query(), &mut solution);
-        qr.times(&mut solution[..n + RIDGE_ROWS]);
-        for j in 0..n {
-            weights.values[j] = roots[j] * solution[j];
-        }
+        let mut solution = qr.solve_transposed(&at_query());
+        qr.times(&mut solution);
+        // The roots are zero where the ridge's rows are.
+        weights.values = core::array::from_fn(|j| roots[j] * solution[j]);
         weights.normalised()
     }
 }

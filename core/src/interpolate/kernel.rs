@@ -8,7 +8,7 @@ use super::neighbours::{Neighbour, nearest};
 use super::{Weights, at_query, covariance};
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{Qr, cholesky, dot};
+use crate::linalg::{Qr, cholesky, dot, part, part_mut};
 use crate::model::wire::Kernel;
 
 /// Degree of the tail.
@@ -37,48 +37,38 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let offsets = samples.map(|sample| [root(sample[0]) - origin[0], sample[1] - origin[1]]);
         let mut neighbours = [Neighbour::NONE; N];
         let wanted = usize::from(settings.neighbours).min(N);
-        let n = nearest(offsets, left_out, &mut neighbours[..wanted]);
-        if n == 0 {
-            return Err(EvaluateError::Weights { sum: 0.0 });
-        }
-        let neighbours = &neighbours[..n];
-        let mut weights = Self::new(
-            neighbours,
-            neighbours.last().map_or(T::ZERO, |last| last.distance),
-            DEGREE,
-        );
+        let n = nearest(offsets, left_out, part_mut(&mut neighbours, 0..wanted));
+        let neighbours = part(&neighbours, 0..n);
+        let radius = neighbours.last().map_or(T::ZERO, |last| last.distance);
+        let mut weights = Self::new(neighbours, radius, DEGREE);
 
         let found = scratch.len();
-        let matrix = scratch
-            .get_mut(..n * n)
-            .ok_or(EvaluateError::BufferTooShort { required: n * n, found })?;
-        let offsets = &weights.offsets[..n];
-        for i in 0..n {
-            for j in 0..i {
-                let value = covariance(DEGREE, offsets[i], offsets[j]);
-                matrix[i * n + j] = value;
-                matrix[j * n + i] = value;
-            }
-            matrix[i * n + i] = T::ZERO;
-        }
+        let (rows, _) = scratch.as_chunks_mut::<N>();
+        let matrix = rows
+            .get_mut(..n)
+            .ok_or(EvaluateError::BufferTooShort { required: N * n, found })?;
+        let offsets = part(&weights.offsets, 0..n);
         let mut right = [T::ZERO; N];
-        for (right, offset) in right.iter_mut().zip(offsets) {
-            *right = covariance(DEGREE, *offset, [T::ZERO; 2]);
+        for ((row, right), a) in matrix.iter_mut().zip(&mut right).zip(offsets) {
+            *row = [T::ZERO; N];
+            for (value, b) in row.iter_mut().zip(offsets) {
+                *value = covariance(DEGREE, *a, *b);
+            }
+            *right = covariance(DEGREE, *a, [T::ZERO; 2]);
         }
 
-        // L = Q [c; y]: c meets the constraints, y is free.
+        // L = Q (c + y): c in the first entries meets the constraints, y in the others is free.
         let qr = Qr::new(n, weights.monomials());
-        let rank = qr.rank();
         qr.conjugate(matrix);
-        qr.transpose_times(&mut right[..n]);
-        let values = &mut weights.values[..n];
-        qr.solve_transposed(&at_query(), values);
-        let (c, y) = values.split_at_mut(rank);
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = right[rank + i] - dot(&matrix[(rank + i) * n..][..rank], c);
+        qr.transpose_times(&mut right);
+        let c = qr.solve_transposed(&at_query());
+        let mut y = [T::ZERO; N];
+        for ((y, right), row) in y.iter_mut().zip(right).zip(&*matrix).skip(qr.rank()) {
+            *y = right - dot(row, &c);
         }
-        cholesky::solve(matrix, n, rank, y);
-        qr.times(values);
+        cholesky::solve(matrix, qr.rank(), &mut y);
+        weights.values = core::array::from_fn(|i| c[i] + y[i]);
+        qr.times(&mut weights.values);
         weights.normalised()
     }
 }

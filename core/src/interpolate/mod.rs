@@ -6,7 +6,7 @@ mod neighbours;
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::dot;
+use crate::linalg::{dot, part_mut};
 use crate::model::MatrixView;
 pub(crate) use diffuse::{RIDGE_ROWS, weight};
 use neighbours::Neighbour;
@@ -46,10 +46,11 @@ impl<T: Real, const N: usize> Weights<T, N> {
             ..Self::EMPTY
         };
         let scale = if radius > T::ZERO { T::ONE / radius } else { T::ZERO };
-        for (j, neighbour) in neighbours.iter().enumerate() {
+        let places = weights.samples.iter_mut().zip(&mut weights.offsets);
+        for ((sample, offset), neighbour) in places.zip(neighbours) {
             // Validation bounds the number of samples.
-            weights.samples[j] = neighbour.sample as u16;
-            weights.offsets[j] = neighbour.offset.map(|offset| offset * scale);
+            *sample = neighbour.sample as u16;
+            *offset = neighbour.offset.map(|offset| offset * scale);
         }
         weights
     }
@@ -57,7 +58,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// The monomials at the samples, one column each.
     fn monomials(&self) -> [[T; N]; MONOMIALS] {
         let mut columns = [[T::ZERO; N]; MONOMIALS];
-        for (j, [x, y]) in self.offsets[..self.count].iter().copied().enumerate() {
+        for (j, &[x, y]) in self.offsets.iter().enumerate().take(self.count) {
             for (column, value) in columns.iter_mut().zip([T::ONE, x, y, x * x, x * y, y * y]) {
                 column[j] = value;
             }
@@ -67,7 +68,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
 
     /// Checks that the weights sum to 1 but for rounding, and takes the rounding away.
     fn normalised(mut self) -> Result<Self, EvaluateError> {
-        let values = &mut self.values[..self.count];
+        let values = part_mut(&mut self.values, 0..self.count);
         let sum = values.iter().copied().sum::<T>();
         if (sum - T::ONE).abs() > T::EPSILON.sqrt() || !sum.is_finite() {
             return Err(EvaluateError::Weights { sum: sum.to_f64() });
@@ -105,15 +106,15 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// of that kernel (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 where the query is a sample that
     /// the weights return, and growing with the distance from the samples to the power 5/2 or 3/2.
     pub fn deviation(&self) -> T {
-        let (values, offsets) = (&self.values[..self.count], &self.offsets[..self.count]);
         let two = T::from_f32(2.0);
+        let placed = || self.values.iter().zip(&self.offsets).take(self.count);
         let mut square = T::ZERO;
-        for i in 0..self.count {
-            let mut row = -two * covariance(self.degree, offsets[i], [T::ZERO; 2]);
-            for j in 0..i {
-                row += two * values[j] * covariance(self.degree, offsets[i], offsets[j]);
+        for (i, (value, offset)) in placed().enumerate() {
+            let mut row = -two * covariance(self.degree, *offset, [T::ZERO; 2]);
+            for (other, place) in placed().take(i) {
+                row += two * *other * covariance(self.degree, *offset, *place);
             }
-            square += values[i] * row;
+            square += *value * row;
         }
         let powers = 2 * self.degree + 1;
         (0..powers)

@@ -1,6 +1,6 @@
 //! Singular values and vectors by one-sided Jacobi rotations (Hestenes 1958; de Rijk 1989).
 
-use super::dot;
+use super::{dot, part};
 use crate::Real;
 
 /// Graded matrices in single precision needed at most 12.
@@ -9,21 +9,22 @@ const MOST_SWEEPS: usize = 20;
 /// Rotates the rows (their first `columns` entries) until they are orthogonal: row i becomes sigma_i v_i^T with the
 /// right singular vectors v_i, unordered. What still couples after the last sweep stays below what was there before.
 pub(crate) fn orthogonalise<T: Real, const K: usize>(rows: &mut [[T; K]], columns: usize) {
-    let square = |row: &[T; K]| dot(&row[..columns], &row[..columns]);
+    let square = |row: &[T; K]| dot(part(row, 0..columns), part(row, 0..columns));
     let largest = rows.iter().map(square).fold(T::ZERO, T::max);
     // Rows below this are rounding of the largest.
     let floor = largest * T::EPSILON * T::EPSILON * T::from_index(columns);
     for _ in 0..MOST_SWEEPS {
         let mut rotated = false;
         for second in 1..rows.len() {
-            let (above, below) = rows.split_at_mut(second);
-            let y = &mut below[0];
+            let Some((above, [y, ..])) = rows.split_at_mut_checked(second) else {
+                return;
+            };
             for x in above {
                 let (a, b) = (square(x), square(y));
                 if a.min(b) <= floor {
                     continue;
                 }
-                let product = dot(&x[..columns], &y[..columns]);
+                let product = dot(part(x, 0..columns), part(y, 0..columns));
                 // Two roots: the product of the squares could underflow.
                 if product.abs() <= T::EPSILON * T::from_f32(4.0) * a.sqrt() * b.sqrt() {
                     continue;
@@ -34,7 +35,7 @@ pub(crate) fn orthogonalise<T: Real, const K: usize>(rows: &mut [[T; K]], column
                 let tangent = if zeta < T::ZERO { -tangent } else { tangent };
                 let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
                 let sine = cosine * tangent;
-                for (x, y) in x[..columns].iter_mut().zip(&mut y[..columns]) {
+                for (x, y) in x.iter_mut().zip(&mut *y).take(columns) {
                     (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
                 }
             }

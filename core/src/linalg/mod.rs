@@ -7,16 +7,27 @@ mod qr;
 pub(crate) use qr::Qr;
 
 use crate::Real;
+use core::ops::Range;
 
 const LANES: usize = 8;
 
-/// Dot product of stored entries with a vector, over the shorter of the two. Entry i goes to lane i mod 8 and the lanes
+/// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
+/// the range is always there, but the compiler cannot know; this way no panic is linked.
+pub(crate) fn part<T>(x: &[T], range: Range<usize>) -> &[T] {
+    x.get(range).unwrap_or_default()
+}
+
+/// As [`part`], to write to.
+pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
+    x.get_mut(range).unwrap_or_default()
+}
+
+/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8 and the lanes
 /// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are.
 pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
     let mut lanes = [T::ZERO; LANES];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-    debug_assert_eq!(a.len(), x.len());
     for (a, x) in a_chunks.iter().zip(x_chunks) {
         for lane in 0..LANES {
             lanes[lane] += value(a[lane]) * x[lane];

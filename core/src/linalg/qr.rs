@@ -1,55 +1,62 @@
 //! Householder QR of a tall matrix with few columns, which leaves out columns that depend on those before.
 
-use super::{add_scaled, dot};
+use super::{add_scaled, dot, part, part_mut};
 use crate::Real;
 
 /// A column whose part outside the columns before it is less than this share of its length is left out.
 const DEPENDENT: f32 = 1e-5;
 
-/// Q and R of up to `N` rows and `C` columns.
+/// Q and R of columns of `N` entries, the last of which may be padding. All vectors have `N` entries too, with zeros
+/// where a reflector does not reach, so that every loop has a constant length.
 #[derive(Debug)]
 pub(crate) struct Qr<T, const N: usize, const C: usize> {
-    rows: usize,
     rank: usize,
-    /// Reflector k: I - v v^T with v in the entries from k on.
+    /// Reflector k: I - v v^T, with zeros in the first k entries of v.
     reflectors: [[T; N]; C],
-    /// Column k of R belongs to the k-th column kept.
+    /// Column k of R, up to its diagonal, belongs to the k-th column kept; then come zeros.
     r: [[T; C]; C],
+    diagonals: [T; C],
     kept: [usize; C],
 }
 
 impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
-    /// Factors the first `rows` entries of the given columns.
+    /// Factors columns whose entries from `rows` on are zeros.
     pub(crate) fn new(rows: usize, columns: [[T; N]; C]) -> Self {
-        let rows = rows.min(N);
-        let zero = [T::ZERO; C];
+        const { assert!(C <= N, "a tall matrix") };
         let mut qr = Self {
-            rows,
             rank: 0,
             reflectors: [[T::ZERO; N]; C],
-            r: [zero; C],
+            r: [[T::ZERO; C]; C],
+            diagonals: [T::ZERO; C],
             kept: [0; C],
         };
         for (index, mut column) in columns.into_iter().enumerate() {
-            let column = &mut column[..rows];
-            let length = dot(column, column).sqrt();
-            qr.transpose_times(column);
+            let length = dot(&column, &column).sqrt();
+            qr.transpose_times(&mut column);
+            // The first `rank` entries belong to R, the rest is to be reflected onto the next.
             let k = qr.rank;
-            let rest = &mut column[k..];
-            let norm = dot(rest, rest).sqrt();
-            if rest.is_empty() || norm <= length * T::from_f32(DEPENDENT) {
+            for (r, value) in part_mut(&mut qr.r, k..k + 1)
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(&mut column)
+                .take(k)
+            {
+                (*r, *value) = (*value, T::ZERO);
+            }
+            let norm = dot(&column, &column).sqrt();
+            let (Some(head), true) = (column.get_mut(k), k < rows && norm > length * T::from_f32(DEPENDENT)) else {
                 continue;
+            };
+            let diagonal = if *head > T::ZERO { -norm } else { norm };
+            *head -= diagonal;
+            let scale = (T::from_f32(2.0) / dot(&column, &column)).sqrt();
+            if let (Some(reflector), Some(r), Some(kept)) =
+                (qr.reflectors.get_mut(k), qr.diagonals.get_mut(k), qr.kept.get_mut(k))
+            {
+                *reflector = column.map(|value| scale * value);
+                (*r, *kept) = (diagonal, index);
+                qr.rank += 1;
             }
-            let diagonal = if rest[0] > T::ZERO { -norm } else { norm };
-            rest[0] -= diagonal;
-            let scale = (T::from_f32(2.0) / dot(rest, rest)).sqrt();
-            for (v, rest) in qr.reflectors[k][k..].iter_mut().zip(rest) {
-                *v = scale * *rest;
-            }
-            qr.r[k][..k].copy_from_slice(&column[..k]);
-            qr.r[k][k] = diagonal;
-            qr.kept[k] = index;
-            qr.rank += 1;
         }
         qr
     }
@@ -59,49 +66,50 @@ impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
         self.rank
     }
 
-    fn reflect(&self, k: usize, x: &mut [T]) {
-        let (v, x) = (&self.reflectors[k][k..self.rows], &mut x[k..]);
-        add_scaled(x, -dot(v, x), v);
-    }
-
     /// x <- Q^T x.
-    pub(crate) fn transpose_times(&self, x: &mut [T]) {
-        for k in 0..self.rank {
-            self.reflect(k, x);
+    pub(crate) fn transpose_times(&self, x: &mut [T; N]) {
+        for v in self.reflectors.iter().take(self.rank) {
+            let share = dot(v, x);
+            add_scaled(x, -share, v);
         }
     }
 
     /// x <- Q x.
-    pub(crate) fn times(&self, x: &mut [T]) {
-        for k in (0..self.rank).rev() {
-            self.reflect(k, x);
+    pub(crate) fn times(&self, x: &mut [T; N]) {
+        for v in part(&self.reflectors, 0..self.rank).iter().rev() {
+            let share = dot(v, x);
+            add_scaled(x, -share, v);
         }
     }
 
-    /// S <- Q^T S Q of a symmetric matrix, row-major.
-    pub(crate) fn conjugate(&self, matrix: &mut [T]) {
-        let n = self.rows;
-        for row in matrix.chunks_exact_mut(n) {
+    /// S <- Q^T S Q of a symmetric matrix.
+    pub(crate) fn conjugate(&self, matrix: &mut [[T; N]]) {
+        for row in &mut *matrix {
             self.transpose_times(row);
         }
-        for k in 0..self.rank {
-            let v = &self.reflectors[k][..n];
+        for v in self.reflectors.iter().take(self.rank) {
             let mut product = [T::ZERO; N];
-            for (row, v) in matrix.chunks_exact(n).zip(v).skip(k) {
+            for (row, v) in matrix.iter().zip(v) {
                 add_scaled(&mut product, *v, row);
             }
-            for (row, v) in matrix.chunks_exact_mut(n).zip(v).skip(k) {
+            for (row, v) in matrix.iter_mut().zip(v) {
                 add_scaled(row, -*v, &product);
             }
         }
     }
 
-    /// The first `rank` entries of out <- R^-T b, with b given at all columns.
-    pub(crate) fn solve_transposed(&self, b: &[T; C], out: &mut [T]) {
-        for k in 0..self.rank {
-            let sum = dot(&self.r[k][..k], &out[..k]);
-            out[k] = (b[self.kept[k]] - sum) / self.r[k][k];
+    /// R^-T b in the first `rank` entries, then zeros; b is given at all columns.
+    pub(crate) fn solve_transposed(&self, b: &[T; C]) -> [T; N] {
+        let mut solution = [T::ZERO; C];
+        for k in 0..self.rank.min(C) {
+            let right = b.get(self.kept[k]).copied().unwrap_or(T::ZERO);
+            solution[k] = (right - dot(&self.r[k], &solution)) / self.diagonals[k];
         }
+        let mut padded = [T::ZERO; N];
+        for (padded, value) in padded.iter_mut().zip(solution) {
+            *padded = value;
+        }
+        padded
     }
 }
 
@@ -122,8 +130,7 @@ mod tests {
         let qr = Qr::new(5, COLUMNS);
         assert_eq!(qr.rank(), 3);
         let b = [1.0, -0.4, f64::NAN, 2.0];
-        let mut x = [0.0; 5];
-        qr.solve_transposed(&b, &mut x);
+        let mut x = qr.solve_transposed(&b);
         qr.times(&mut x);
         for c in [0, 1, 3] {
             assert!((dot(&COLUMNS[c], &x) - b[c]).abs() < 1e-14);
@@ -133,12 +140,13 @@ mod tests {
     #[test]
     fn conjugation_is_a_similarity() {
         let qr = Qr::new(5, COLUMNS);
-        let mut matrix: [f64; 25] = core::array::from_fn(|i| 1.0 / (1.0 + (i / 5 + i % 5) as f64));
+        let mut matrix: [[f64; 5]; 5] =
+            core::array::from_fn(|i| core::array::from_fn(|j| 1.0 / (1.0 + (i + j) as f64)));
         let before = matrix;
         qr.conjugate(&mut matrix);
         // x^T S y = (Q^T x)^T (Q^T S Q) (Q^T y).
         let (x, y) = ([0.3, -1.0, 0.2, 0.5, 0.9], [1.0, 0.4, -0.6, 0.1, -0.2]);
-        let form = |s: &[f64], x: &[f64], y: &[f64]| (0..5).map(|i| x[i] * dot(&s[5 * i..][..5], y)).sum::<f64>();
+        let form = |s: &[[f64; 5]], x: &[f64], y: &[f64]| (0..5).map(|i| x[i] * dot(&s[i], y)).sum::<f64>();
         let (mut qx, mut qy) = (x, y);
         qr.transpose_times(&mut qx);
         qr.transpose_times(&mut qy);

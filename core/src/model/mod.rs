@@ -128,16 +128,13 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The cluster that answers for a confinement: the first that reaches up to it, else the last.
-    pub(crate) fn cluster<T: Real>(&self, confinement: T) -> &Cluster<'a> {
-        let clusters = &self.contents.clusters;
+    /// The cluster that answers for a confinement: the first that reaches up to it, else the last. Validation refuses
+    /// a model that has none.
+    pub(crate) fn cluster<T: Real>(&self, confinement: T) -> Option<&Cluster<'a>> {
         let slack = T::from_f64(1.0 + PARAMETER_TOLERANCE);
         let reaches = |cluster: &&Cluster<'a>| confinement <= T::from_f64(cluster.confinement_max) * slack;
-        // Validation refuses a model without a cluster.
-        clusters
-            .iter()
-            .find(reaches)
-            .unwrap_or(&clusters[clusters.len().saturating_sub(1)])
+        let clusters = &self.contents.clusters;
+        clusters.iter().find(reaches).or(clusters.last())
     }
 }
 
@@ -147,21 +144,20 @@ fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
         expected,
         found: file.len(),
     };
-    let (words, _) = file
-        .get(..HEADER_LENGTH)
-        .ok_or(truncated(HEADER_LENGTH))?
-        .as_chunks::<4>();
-    if words[0] != MAGIC {
-        return Err(OpenError::Magic { found: words[0] });
+    let (header, body) = file
+        .split_first_chunk::<HEADER_LENGTH>()
+        .ok_or(truncated(HEADER_LENGTH))?;
+    let word = |i: usize| core::array::from_fn(|byte| header[4 * i + byte]);
+    if word(0) != MAGIC {
+        return Err(OpenError::Magic { found: word(0) });
     }
-    let [version, length, checksum] = [1, 2, 3].map(|i| u32::from_le_bytes(words[i]));
+    let [version, length, checksum] = [1, 2, 3].map(|i| u32::from_le_bytes(word(i)));
     if version != VERSION {
         return Err(OpenError::Version {
             found: version,
             supported: VERSION,
         });
     }
-    let body = &file[HEADER_LENGTH..];
     let length = length as usize;
     if body.len() < length {
         return Err(truncated(HEADER_LENGTH.saturating_add(length)));
@@ -172,12 +168,12 @@ fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
         });
     }
     let found = CHECKSUM.checksum(body);
-    if found != checksum {
+    if found == checksum {
+        Ok((body, found))
+    } else {
         Err(OpenError::Checksum {
             expected: checksum,
             found,
         })
-    } else {
-        Ok((body, found))
     }
 }

@@ -17,9 +17,9 @@ pub fn answer(
     i: usize,
     emit: &mut impl FnMut(f32),
 ) -> Result<(), EvaluateError> {
-    let (set, t) = (i / INSTANTS.len(), INSTANTS[i % INSTANTS.len()]);
-    let ([capillary_number, confinement], method) =
-        (PARAMETERS[set % PARAMETERS.len()], METHODS[set / PARAMETERS.len()]);
+    let [set, instant] = [i / INSTANTS.len(), i % INSTANTS.len()];
+    let [capillary_number, confinement] = PARAMETERS[set % PARAMETERS.len()];
+    let (method, t) = (METHODS[set / PARAMETERS.len() % METHODS.len()], INSTANTS[instant]);
     let mut evaluator = Evaluator::new(model, workspace)?;
     evaluator.prepare(&Query {
         extrapolate: true,
@@ -27,7 +27,12 @@ pub fn answer(
     })?;
     let mut instant = evaluator.at(t)?;
     let found = instant.observables()?;
-    for value in [found.axial_length, found.half_width, found.half_diagonal, found.rear_depth] {
+    for value in [
+        found.axial_length,
+        found.half_width,
+        found.half_diagonal,
+        found.rear_depth,
+    ] {
         emit(value);
     }
     emit(found.velocity);
