@@ -12,7 +12,7 @@ use super::error::FlowError;
 use super::near::{NearTargets, TargetBlocks};
 use super::patch::{Patch, PatchRule};
 use super::quadrature::TriangleRule;
-use super::stokeslet::{self, LANES, Sources};
+use super::stokeslet::{self, Sources};
 
 /// How finely the layer of the membrane is integrated. Distances are from the centre of an element, or a part of one,
 /// in units of the radius of the ball around it.
@@ -96,7 +96,7 @@ const POINTS: usize = 7;
 pub struct MembraneLayer<'a> {
     membrane: &'a Membrane<'a>,
     rules: &'a MembraneRules,
-    /// 7 points an element, in [`LANES`] slots.
+    /// 7 points an element.
     points: Sources,
     /// A point force a node.
     nodal: Sources,
@@ -112,7 +112,7 @@ pub struct MembraneLayer<'a> {
 impl<'a> MembraneLayer<'a> {
     /// Prepares the sources of all elements.
     pub fn new(membrane: &'a Membrane<'a>, rules: &'a MembraneRules) -> Self {
-        let mut points = Sources::with_capacity(LANES * membrane.elements.len());
+        let mut points = Sources::with_capacity(POINTS * membrane.elements.len() + 1);
         let mut forces = vec![[0.0; 3]; membrane.nodes.len()];
         let mut balls = Vec::with_capacity(membrane.elements.len());
         for element in membrane.elements {
@@ -120,6 +120,7 @@ impl<'a> MembraneLayer<'a> {
             balls.push(patch.ball());
             let first = points.len();
             patch.add_sources(&rules.middle, &mut points);
+            points.truncate(first + POINTS);
             let strengths: [_; POINTS] = std::array::from_fn(|p| points.get(first + p).1);
             for (k, &node) in element.iter().enumerate() {
                 for d in 0..3 {
@@ -182,7 +183,7 @@ impl<'a> MembraneLayer<'a> {
         if near.is_empty() {
             return near;
         }
-        near.subtract(self.points.range(LANES * e, LANES));
+        near.subtract(self.points.range(POINTS * e, POINTS));
 
         // Nodes of the element go to the front.
         let mut sources = Sources::default();

@@ -6,9 +6,9 @@
 //!
 //! - [`stokeslet`]: sums over point forces, vectorised;
 //! - [`quadrature`], `patch`, `near`, [`membrane_layer`]: the integral over the membrane;
-//! - [`panel`], `wall`: the integral over the walls and the solution for `f`;
+//! - `panel`, `wall`: the integral over the walls and the solution for `f`;
 //! - [`poiseuille`]: the undisturbed flow;
-//! - [`duct`], [`free_space`]: the two flows behind the trait [`Flow`].
+//! - [`duct`] with its `settings`, [`free_space`]: the two flows behind the trait [`Flow`].
 
 pub mod duct;
 mod error;
@@ -19,17 +19,19 @@ mod panel;
 mod patch;
 pub mod poiseuille;
 pub mod quadrature;
+mod settings;
 pub mod stokeslet;
 mod wall;
 
 #[cfg(test)]
 mod test_support;
 
-pub use duct::{Duct, DuctSettings};
+pub use duct::Duct;
 pub use error::FlowError;
 pub use free_space::{Background, FreeSpace};
 pub use membrane_layer::MembraneQuadrature;
 pub use poiseuille::Poiseuille;
+pub use settings::DuctSettings;
 
 /// The membrane as the fluid sees it.
 #[derive(Debug, Clone, Copy)]

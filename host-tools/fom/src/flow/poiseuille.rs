@@ -22,7 +22,7 @@ impl Poiseuille {
         let sum: f64 = (0..10 * TERMS)
             .map(|n| wave_number(n).tanh() / wave_number(n).powi(5))
             .sum();
-        let sign = |n: usize| if n % 2 == 0 { 4.0 } else { -4.0 };
+        let sign = |n: usize| if n.is_multiple_of(2) { 4.0 } else { -4.0 };
         Self {
             gradient: 1.0 / (1.0 / 3.0 - 2.0 * sum),
             coefficients: (0..TERMS)

@@ -53,8 +53,8 @@ impl Sources {
         self.x.is_empty()
     }
 
-    /// Removes all sources, but keeps their room.
-    pub fn clear(&mut self) {
+    /// Keeps the first `count` sources.
+    pub fn truncate(&mut self, count: usize) {
         for component in [
             &mut self.x,
             &mut self.y,
@@ -63,8 +63,13 @@ impl Sources {
             &mut self.fy,
             &mut self.fz,
         ] {
-            component.clear();
+            component.truncate(count);
         }
+    }
+
+    /// Removes all sources, but keeps their room.
+    pub fn clear(&mut self) {
+        self.truncate(0);
     }
 
     /// Adds `count` sources of no strength at the origin; returns the six components of the new ones, to be filled in.
