@@ -25,6 +25,7 @@ export class TimeAxis {
   #width = 0;
   #height = 0;
   #t = 0;
+  #value: number | undefined;
   #values: number[] = [];
   #quantity: Quantity = "axial_length";
   #job = 0;
@@ -48,7 +49,7 @@ export class TimeAxis {
     this.#axis = svg("g", { class: "axis" }, this.#svg);
     this.#curve = svg("path", { class: "trace" }, this.#svg);
     this.#cursor = svg("line", { class: "cursor" }, this.#svg);
-    this.#dot = svg("circle", { class: "now", r: 4 }, this.#svg);
+    this.#dot = svg("circle", { class: "now" }, this.#svg);
     this.#span = svg("text", { class: "span", "text-anchor": "end" }, this.#svg);
     track.prepend(this.#svg);
     onResize(track, (width, height) => {
@@ -56,7 +57,7 @@ export class TimeAxis {
       this.#height = height;
       this.#layOut();
       this.#drawCurve();
-      this.show(this.#t, undefined);
+      this.show(this.#t, this.#value);
     });
   }
 
@@ -71,14 +72,13 @@ export class TimeAxis {
   /** Moves the cursor; `value` is the plotted read-out now. */
   show(t: number, value: number | undefined): void {
     this.#t = t;
+    this.#value = value;
     if (this.#input.valueAsNumber !== t) this.#input.valueAsNumber = t;
     this.#input.ariaValueText = `${t.toFixed(2)} l/V`;
     if (this.#width === 0) return;
     const x = this.#toX(t);
     set(this.#cursor, { x1: x, x2: x, y1: TOP - 4, y2: this.#height - AXIS });
-    const hasDot = value !== undefined && this.#values.length > 1;
-    this.#dot.toggleAttribute("hidden", !hasDot);
-    if (hasDot) set(this.#dot, { cx: x, cy: this.#toY(value) });
+    this.#placeDot();
   }
 
   /** Plots another course: `read` gives the value at an instant. A course that was under way is dropped. */
@@ -139,6 +139,12 @@ export class TimeAxis {
     set(this.#span, { x: this.#width - INSET, y: 12 });
   }
 
+  /** Marks the value now, on the curve. */
+  #placeDot(): void {
+    const hasDot = this.#value !== undefined && this.#values.length === INSTANTS;
+    set(this.#dot, { cx: this.#toX(this.#t), cy: hasDot ? this.#toY(this.#value ?? 0) : 0, r: hasDot ? 4 : 0 });
+  }
+
   #drawCurve(): void {
     if (this.#width === 0) return;
     const values = this.#values;
@@ -146,6 +152,7 @@ export class TimeAxis {
     set(this.#curve, { d: values.length > 1 ? path(points, this.#toX, (_, value) => this.#toY(value)) : "" });
     const { name, unit } = PRESENTATION[this.#quantity];
     const [least, most] = [Math.min(...values), Math.max(...values)].map((value) => written(this.#quantity, value));
+    this.#placeDot();
     this.#span.textContent = values.length === INSTANTS ? `${name}, ${least} to ${most} ${unit}` : name;
   }
 }

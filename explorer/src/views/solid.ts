@@ -112,6 +112,8 @@ export class Solid {
 
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.enablePan = false;
+    // A finger that moves up or down scrolls the page; sideways it turns the capsule.
+    canvas.style.touchAction = "pan-y";
     this.#controls.minDistance = 4;
     this.#controls.maxDistance = 26;
     this.#controls.addEventListener("change", () => this.#render());
