@@ -45,13 +45,10 @@ impl<T: Real, const K: usize> Interval<T, K> {
             self.fetch(motion, number);
         }
         let [t0, t1] = [times.get(number), times.get(number + 1)];
-        for (k, out) in out.iter_mut().enumerate() {
-            *out = hermite(
-                (t - t0) / (t1 - t0),
-                t1 - t0,
-                self.values.map(|x| x[k]),
-                self.rates.map(|x| x[k]),
-            );
+        let (share, length) = ((t - t0) / (t1 - t0), t1 - t0);
+        let ([f0, f1], [g0, g1]) = (&self.values, &self.rates);
+        for ((((out, f0), f1), g0), g1) in out.iter_mut().zip(f0).zip(f1).zip(g0).zip(g1) {
+            *out = hermite(share, length, [*f0, *f1], [*g0, *g1]);
         }
     }
 }

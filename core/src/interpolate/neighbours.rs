@@ -28,18 +28,20 @@ pub(super) fn nearest<T: Real>(
             continue;
         }
         let distance = norm(offset);
-        let place = out[..count]
+        let place = out
             .iter()
+            .take(count)
             .take_while(|neighbour| neighbour.distance <= distance)
             .count();
-        if place < out.len() {
-            count = (count + 1).min(out.len());
-            out.copy_within(place..count - 1, place + 1);
-            out[place] = Neighbour {
-                sample,
-                offset,
-                distance,
-            };
+        count = (count + 1).min(out.len());
+        // Every one from its place on moves up by one, and the last falls out.
+        let mut moved = Neighbour {
+            sample,
+            offset,
+            distance,
+        };
+        for neighbour in out.iter_mut().take(count).skip(place) {
+            core::mem::swap(neighbour, &mut moved);
         }
     }
     count

@@ -7,25 +7,49 @@ use crate::Real;
 /// place. Directions in which the block is not positive beyond rounding get no part in the solution.
 pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize, b: &mut [T; N]) {
     let n = matrix.len().min(N);
-    let largest = (first..n).fold(T::ZERO, |largest, i| largest.max(matrix[i][i]));
+    let largest = matrix
+        .iter()
+        .enumerate()
+        .skip(first)
+        .map(|(i, row)| entry(row, i))
+        .fold(T::ZERO, T::max);
     let floor = largest * T::EPSILON * T::from_index(n);
     for i in first..n {
         let Some((above, [row, ..])) = matrix.split_at_mut_checked(i) else {
             return;
         };
-        for (j, earlier) in above.iter().enumerate().take(n).skip(first) {
-            let sum = dot(part(row, first..j), part(earlier, first..j));
-            row[j] = quotient(row[j] - sum, earlier[j]);
+        for (j, earlier) in above.iter().enumerate().skip(first) {
+            let Some((done, [value, ..])) = row.split_at_mut_checked(j) else {
+                return;
+            };
+            let sum = dot(part(done, first..j), part(earlier, first..j));
+            *value = quotient(*value - sum, entry(earlier, j));
         }
-        let done = part(row, first..i);
-        let (square, sum) = (row[i] - dot(done, done), dot(done, part(b, first..i)));
-        row[i] = if square > floor { square.sqrt() } else { T::ZERO };
-        b[i] = quotient(b[i] - sum, row[i]);
+        let Some((done, [pivot, ..])) = row.split_at_mut_checked(i) else {
+            return;
+        };
+        let Some((solved, [value, ..])) = b.split_at_mut_checked(i) else {
+            return;
+        };
+        let done = part(done, first..i);
+        let square = *pivot - dot(done, done);
+        *pivot = if square > floor { square.sqrt() } else { T::ZERO };
+        *value = quotient(*value - dot(done, part(solved, first..i)), *pivot);
     }
-    for i in (first..n).rev() {
-        let sum = (i + 1..n).map(|j| matrix[j][i] * b[j]).sum::<T>();
-        b[i] = quotient(b[i] - sum, matrix[i][i]);
+    for (i, row) in matrix.iter().enumerate().skip(first).rev() {
+        let Some((open, [value, ..])) = b.split_at_mut_checked(i) else {
+            return;
+        };
+        *value = quotient(*value, entry(row, i));
+        for (open, factor) in open.iter_mut().zip(row).skip(first) {
+            *open -= *factor * *value;
+        }
     }
+}
+
+/// Entry `i` of a row that has it.
+fn entry<T: Real>(row: &[T], i: usize) -> T {
+    row.get(i).copied().unwrap_or(T::ZERO)
 }
 
 /// a / pivot, or 0 for a pivot that was left out.
