@@ -96,25 +96,19 @@ export class Workbench {
   #draw(capsule: Capsule, state: State): void {
     this.#map.show(state);
     this.#readouts.mark(state.trace);
-    const answered = this.#prepare(capsule, state);
+    const answered = this.#answer(capsule, state);
     document.body.dataset.answer = answered ? "given" : "refused";
     this.#plot(capsule, state, answered);
     if (!answered) {
       this.#readouts.show(undefined);
       this.#time.show(state.t, undefined);
-      return;
-    }
-    capsule.now.goTo(state.t);
-    this.#readouts.show((quantity) => capsule.read(quantity));
-    this.#time.show(state.t, capsule.read(state.trace));
-    this.#drawFigures(capsule, state);
-    if (!state.playing) {
+    } else if (!state.playing) {
       this.#readouts.announce(`Ca ${state.ca}, a/l ${state.confinement}, time ${state.t.toFixed(2)}`);
     }
   }
 
-  /** Sets the query; when the core refuses it, its words and a way out are shown. */
-  #prepare(capsule: Capsule, state: State): boolean {
+  /** Asks for everything visible and shows it; when the core refuses, its words and a way out are shown. */
+  #answer(capsule: Capsule, state: State): boolean {
     const [ca = 0, confinement = 0] = capsule.model.nearest(state.ca, state.confinement);
     const nearest = {
       label: `Go to the nearest point inside, ${ca}, ${confinement}`,
@@ -122,6 +116,10 @@ export class Workbench {
     };
     try {
       const domain = capsule.prepare(state);
+      capsule.now.goTo(state.t);
+      this.#readouts.show((quantity) => capsule.read(quantity));
+      this.#time.show(state.t, capsule.read(state.trace));
+      this.#drawFigures(capsule, state);
       if (domain === "inside") {
         notify(undefined);
       } else {

@@ -94,7 +94,13 @@ export class TimeAxis {
     const work = () => {
       const start = performance.now();
       while (this.#values.length < INSTANTS && performance.now() - start < BUDGET_MS) {
-        this.#values.push(read((this.#end * this.#values.length) / (INSTANTS - 1)));
+        try {
+          this.#values.push(read((this.#end * this.#values.length) / (INSTANTS - 1)));
+        } catch {
+          // The core refuses an instant: the curve ends before it. The reason is shown when one goes there.
+          this.#drawCurve();
+          return;
+        }
       }
       this.#drawCurve();
       if (this.#values.length < INSTANTS) this.#job = requestAnimationFrame(work);

@@ -2,7 +2,7 @@ import { element, html } from "../app/page";
 import { SPEEDS, type State, type Store, VIEWS, type View } from "../app/state";
 import { stepped } from "./time-axis";
 
-const VIEW_NAMES: Record<View, string> = { solid: "Space", midplane: "z = 0", diagonal: "y = z", transversal: "x = c" };
+const VIEW_NAMES: Record<View, string> = { solid: "3D", midplane: "z = 0", diagonal: "y = z", transversal: "x = c" };
 
 /** Play, time, speed, choice of views, and the keys that work from anywhere on the page. */
 export function tieTransport(store: Store): void {

@@ -121,6 +121,7 @@ export class Longitudinal {
     const parts: Element[] = [];
     for (const x of ticks(this.#left, this.#left + visible, 1)) {
       parts.push(svg("line", { x1: toX(x), x2: toX(x), y1: bottom, y2: bottom + 4 }));
+      if (toX(x) > this.#width - 8) continue;
       const text = svg("text", { x: toX(x), y: bottom + 16, "text-anchor": "middle" });
       text.textContent = label(x);
       parts.push(text);
