@@ -32,8 +32,8 @@ impl Default for MembraneQuadrature {
     fn default() -> Self {
         Self {
             far: 3.0,
-            middle: 2.5,
-            near: 1.5,
+            middle: 2.2,
+            near: 1.3,
             duffy: [4, 10],
         }
     }

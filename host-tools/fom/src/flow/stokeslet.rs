@@ -223,36 +223,38 @@ fn block_sums<const FMA: bool, const T: usize>(
     targets: &[[f64; 3]; T],
 ) -> [[f64; 3]; T] {
     let mut sums = [[[0.0; LANES]; 3]; T];
-    let length = position.0.len();
-    let whole = length - length % LANES;
-    let lanes = |slice: &[f64], start: usize| -> Lanes { std::array::from_fn(|l| slice[start + l]) };
-    for start in (0..whole).step_by(LANES) {
-        let y = [
-            lanes(position.0, start),
-            lanes(position.1, start),
-            lanes(position.2, start),
-        ];
-        let f = [
-            lanes(strength.0, start),
-            lanes(strength.1, start),
-            lanes(strength.2, start),
-        ];
+    let ((x, x_rest), (y, y_rest), (z, z_rest)) = chunks(position);
+    let ((fx, fx_rest), (fy, fy_rest), (fz, fz_rest)) = chunks(strength);
+    let positions = x.iter().zip(y).zip(z);
+    let strengths = fx.iter().zip(fy).zip(fz);
+    for (((&x, &y), &z), ((&fx, &fy), &fz)) in positions.zip(strengths) {
         for t in 0..T {
-            interact::<FMA>(&targets[t], &y, &f, &mut sums[t]);
+            interact::<FMA>(&targets[t], &[x, y, z], &[fx, fy, fz], &mut sums[t]);
         }
     }
-    if whole < length {
+    if !x_rest.is_empty() {
         // The rest is filled up with sources of no strength, away from the targets.
-        let lanes = |slice: &[f64], filling: f64| -> Lanes {
-            std::array::from_fn(|l| slice.get(whole + l).copied().unwrap_or(filling))
-        };
-        let y = [lanes(position.0, 1e9), lanes(position.1, 1e9), lanes(position.2, 1e9)];
-        let f = [lanes(strength.0, 0.0), lanes(strength.1, 0.0), lanes(strength.2, 0.0)];
+        let y = [filled(x_rest, 1e9), filled(y_rest, 1e9), filled(z_rest, 1e9)];
+        let f = [filled(fx_rest, 0.0), filled(fy_rest, 0.0), filled(fz_rest, 0.0)];
         for t in 0..T {
             interact::<FMA>(&targets[t], &y, &f, &mut sums[t]);
         }
     }
     sums.map(|components| components.map(|lanes| lanes.iter().sum()))
+}
+
+type Chunks<'a> = (&'a [Lanes], &'a [f64]);
+
+#[inline(always)]
+fn chunks<'a>((a, b, c): Components<'a>) -> (Chunks<'a>, Chunks<'a>, Chunks<'a>) {
+    (a.as_chunks(), b.as_chunks(), c.as_chunks())
+}
+
+#[inline(always)]
+fn filled(rest: &[f64], filling: f64) -> Lanes {
+    let mut lanes = [filling; LANES];
+    lanes.iter_mut().zip(rest).for_each(|(lane, value)| *lane = *value);
+    lanes
 }
 
 /// Adds the Stokeslets of one register of sources at one target.
