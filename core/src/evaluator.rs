@@ -1,6 +1,5 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
-use crate::direct;
 use crate::error::EvaluateError;
 use crate::expected_error::expected_error;
 use crate::interpolate::{RIDGE_ROWS, Weights};
@@ -194,7 +193,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     pub fn centroid_velocity(&mut self) -> T {
         let coefficient = match self.query.method {
             Method::Direct if self.workspace.velocity.t != Some(self.t) => {
-                direct::velocity(&Motion::new(self.model, self.cluster, &self.workspace.psi), 0, self.t)
+                let Workspace { psi, interval, .. } = &mut *self.workspace;
+                interval.translation_rate(&Motion::new(self.model, self.cluster, psi), self.t)
             }
             _ => {
                 self.velocity();
@@ -326,6 +326,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let Workspace {
             velocity: Coefficients { t: computed, values },
             psi,
+            interval,
             dynamics,
             scratch,
             ..
@@ -336,11 +337,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let motion = Motion::new(self.model, cluster, psi);
         let out = part_mut(values, 0..motion.velocity.rank());
         match self.query.method {
-            Method::Direct => {
-                for (k, out) in out.iter_mut().enumerate() {
-                    *out = direct::velocity(&motion, k, t);
-                }
-            }
+            Method::Direct => interval.velocity(&motion, t, out),
             Method::Paper => dynamics.velocity(&motion, paper, step, t, scratch, out),
         }
     }

@@ -29,6 +29,13 @@ impl<'a, 's, T: Real> Motion<'a, 's, T> {
     pub(crate) fn rate(&self, xi: &[T], out: &mut [T]) {
         self.cross_product.multiply(0, xi, out);
     }
+
+    /// out <- out + Phi_v^T Phi_u rate: the velocity's coefficients of a displacement's rate.
+    pub(crate) fn add_velocity(&self, rate: &[T], out: &mut [T]) {
+        for (k, rate) in rate.iter().enumerate() {
+            self.cross_product.add_row(k, *rate, out);
+        }
+    }
 }
 
 /// A field of a cluster at the query's parameters: coefficients(t_i) = A(t_i) psi.
