@@ -58,7 +58,7 @@ impl Stage {
                 run(command("cargo doc --quiet --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))
             }
             Self::Rust => run(&mut command("cargo test --workspace")),
-            Self::Firmware => run(&mut command("cargo run --quiet --package capsule-firmware-test")),
+            Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
             Self::Browser => {
                 explore::build()?;
                 run(&mut command("cargo build --quiet --package capsule-cli"))?;

@@ -8,6 +8,17 @@ use std::path::PathBuf;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
+/// What rustc assumes of an engine; with more, wasm-opt writes modules that browsers refuse.
+const RUSTC_FEATURES: [&str; 7] = [
+    "--enable-bulk-memory",
+    "--enable-bulk-memory-opt",
+    "--enable-multivalue",
+    "--enable-mutable-globals",
+    "--enable-nontrapping-float-to-int",
+    "--enable-reference-types",
+    "--enable-sign-ext",
+];
+
 /// Builds `explorer/src/wasm/`.
 pub fn build() -> Result<()> {
     setup::rust_target(TARGET)?;
@@ -29,7 +40,9 @@ fn optimise(module: &std::path::Path) -> Result<()> {
     setup::npm_modules("explorer")?;
     let wasm_opt = root().join("explorer/node_modules/.bin/wasm-opt");
     run(command(&wasm_opt.to_string_lossy())
-        .args(["-O3", "--all-features", "-o"])
+        .arg("-O3")
+        .args(RUSTC_FEATURES)
+        .arg("-o")
         .args([module, module]))
 }
 
