@@ -1,9 +1,10 @@
 //! A curved triangle that carries a load, both P2: an element of the membrane or a part of one.
 
 use multiversion::multiversion;
+use multiversion::target::match_target;
 
 use super::quadrature::TriangleRule;
-use super::stokeslet::{LANES, Sources};
+use super::stokeslet::{LANES, Sources, fused};
 
 /// Six nodes (VTK order) with their positions and loads.
 #[derive(Debug, Clone)]
@@ -132,19 +133,27 @@ fn shape_functions([s, t]: [f64; 2]) -> ([f64; 6], [[f64; 6]; 2]) {
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn interpolate(blocks: &[Block], nodes: &[[f64; 6]; 6], sources: [&mut [f64]; 6]) {
+    match_target! {
+        "x86_64+fma" => interpolate_blocks::<true>(blocks, nodes, sources),
+        _ => interpolate_blocks::<false>(blocks, nodes, sources),
+    }
+}
+
+#[inline(always)]
+fn interpolate_blocks<const FMA: bool>(blocks: &[Block], nodes: &[[f64; 6]; 6], sources: [&mut [f64]; 6]) {
     for (b, block) in blocks.iter().enumerate() {
         let mut value = [[0.0; LANES]; 6];
         let mut tangents = [[[0.0; LANES]; 3]; 2];
         for k in 0..6 {
             for c in 0..6 {
                 for l in 0..LANES {
-                    value[c][l] += block.shape[k][l] * nodes[k][c];
+                    value[c][l] = fused::<FMA>(block.shape[k][l], nodes[k][c], value[c][l]);
                 }
             }
             for (tangent, derivative) in tangents.iter_mut().zip(&block.derivatives) {
                 for d in 0..3 {
                     for l in 0..LANES {
-                        tangent[d][l] += derivative[k][l] * nodes[k][d];
+                        tangent[d][l] = fused::<FMA>(derivative[k][l], nodes[k][d], tangent[d][l]);
                     }
                 }
             }

@@ -274,8 +274,9 @@ fn interact<const FMA: bool>(target: &[f64; 3], y: &[Lanes; 3], f: &[Lanes; 3], 
     }
 }
 
+/// `a b + c`, fused where the processor can.
 #[inline(always)]
-fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
+pub(super) fn fused<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
