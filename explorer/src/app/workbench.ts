@@ -1,7 +1,7 @@
 import { type Capsule, type Outline, text } from "../model/capsule";
 import { notify, tieParameters } from "../panels/parameters";
 import { Readouts } from "../panels/readouts";
-import { TimeAxis } from "../panels/time-axis";
+import { stepped, TimeAxis } from "../panels/time-axis";
 import { tieTransport } from "../panels/transport";
 import { cutPoints, loopPoints } from "../views/cuts";
 import { Longitudinal } from "../views/longitudinal";
@@ -36,7 +36,15 @@ export class Workbench {
     const announcement = element("announcement", HTMLElement);
     this.#readouts = new Readouts(element("readouts", HTMLElement), announcement, (trace) => store.set({ trace }));
     const slider = element("time", HTMLInputElement);
-    this.#time = new TimeAxis(element("track", HTMLElement), slider, (t) => store.set({ t }));
+    this.#time = new TimeAxis(
+      element("track", HTMLElement),
+      slider,
+      (t) => store.set({ t }),
+      (step) => {
+        const { t, end } = store.state;
+        store.set({ t: stepped(t, step, end) });
+      },
+    );
     const onSection = (section: number) => store.set({ section: Math.min(1.5, Math.max(-1.5, section)) });
     this.#sections = {
       midplane: new Longitudinal(element("midplane", HTMLElement), "plane z = 0", 1, onSection),

@@ -30,7 +30,12 @@ export class TimeAxis {
   #quantity: Quantity = "axial_length";
   #job = 0;
 
-  constructor(track: HTMLElement, input: HTMLInputElement, onTime: (t: number) => void) {
+  constructor(
+    track: HTMLElement,
+    input: HTMLInputElement,
+    onTime: (t: number) => void,
+    onStep: (step: number) => void,
+  ) {
     this.#track = track;
     this.#input = input;
     input.addEventListener("input", () => onTime(input.valueAsNumber));
@@ -39,9 +44,7 @@ export class TimeAxis {
       const steps: Record<string, number> = { ArrowRight: 0.1, ArrowUp: 0.1, ArrowLeft: -0.1, ArrowDown: -0.1 };
       const step = steps[event.key];
       if (step === undefined) return;
-      // Kept at once: the next key may come before the next frame.
-      this.#t = stepped(this.#t, event.shiftKey ? step / 5 : step, this.#end);
-      onTime(this.#t);
+      onStep(event.shiftKey ? step * 10 : step);
       event.preventDefault();
       event.stopPropagation();
     });

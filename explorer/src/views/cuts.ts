@@ -1,14 +1,12 @@
-/** Curves on the membrane in space, relative to the centroid, lifted a little so that they do not sink into it. */
-
-const LIFT = 1.006;
+/** Curves on the membrane in space, relative to the centroid. */
 
 /** Both halves of an outline (x, r, ..., laboratory frame), as the closed curve in its plane. */
 export function cutPoints(outline: Float32Array, centroid: number, plane: "midplane" | "diagonal"): Float32Array {
   const count = outline.length / 2;
   const points = new Float32Array(6 * count);
-  const [y, z] = plane === "midplane" ? [LIFT, 0] : [LIFT * Math.SQRT1_2, LIFT * Math.SQRT1_2];
+  const [y, z] = plane === "midplane" ? [1, 0] : [Math.SQRT1_2, Math.SQRT1_2];
   for (let i = 0; i < count; i++) {
-    const x = ((outline[2 * i] ?? 0) - centroid) * LIFT;
+    const x = (outline[2 * i] ?? 0) - centroid;
     const r = outline[2 * i + 1] ?? 0;
     points.set([x, y * r, z * r], 3 * i);
     points.set([x, -y * r, -z * r], 3 * (2 * count - 1 - i));
@@ -22,7 +20,7 @@ export function loopPoints(curve: Float32Array, x: number): Float32Array {
   const points = new Float32Array(3 * (count + 1));
   for (let i = 0; i <= count; i++) {
     const j = i % count;
-    points.set([x, LIFT * (curve[2 * j] ?? 0), LIFT * (curve[2 * j + 1] ?? 0)], 3 * i);
+    points.set([x, curve[2 * j] ?? 0, curve[2 * j + 1] ?? 0], 3 * i);
   }
   return points;
 }

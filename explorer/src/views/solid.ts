@@ -47,7 +47,7 @@ const HOME = new Vector3(-6.2, 3.6, 9.2);
 export class Solid {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
-  readonly #camera = new PerspectiveCamera(24, 1, 0.1, 100);
+  readonly #camera = new PerspectiveCamera(24, 1, 1, 60);
   readonly #controls: OrbitControls;
   readonly #surface = new MeshStandardMaterial({ side: DoubleSide, roughness: 0.5, metalness: 0 });
   readonly #ghost = new MeshStandardMaterial({ transparent: true, opacity: 0.22, roughness: 0.8, depthWrite: false });
@@ -88,9 +88,10 @@ export class Solid {
     stage.replaceChildren(canvas, this.#labels);
 
     this.#initial.renderOrder = 2;
+    // The curves on the membrane join its nodes, the surface bulges a little between: draw it that much farther away.
     this.#surface.polygonOffset = true;
-    this.#surface.polygonOffsetFactor = 1;
-    this.#surface.polygonOffsetUnits = 1;
+    this.#surface.polygonOffsetFactor = 2;
+    this.#surface.polygonOffsetUnits = 300;
     for (const mesh of [this.#capsule, this.#initial]) {
       mesh.frustumCulled = false;
     }
