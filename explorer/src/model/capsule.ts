@@ -153,7 +153,8 @@ function read(evaluation: Evaluation, quantity: Quantity): number {
   }
 }
 
-/** The words of anything thrown, without a closing full stop. */
+/** The words of anything thrown, without a closing full stop, and numbers to the digits that single precision has. */
 export function text(error: unknown): string {
-  return (error instanceof Error ? error.message : String(error)).replace(/\.$/, "");
+  const words = error instanceof Error ? error.message : String(error);
+  return words.replace(/\.$/, "").replace(/\d+\.\d{7,}/g, (number) => String(Number(Number(number).toPrecision(6))));
 }

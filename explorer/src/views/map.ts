@@ -130,6 +130,8 @@ export class ParameterMap {
     const [least, most] = caRange.map(toX) as unknown as Span;
     const [low, high] = confinementRange.map(toY) as unknown as Span;
     const parts: Element[] = [
+      svg("rect", { class: "beyond", x: left, y: top, width: right - left, height: bottom - top }),
+      svg("rect", { class: "sampled", x: least, y: high, width: most - least, height: low - high }),
       svg("rect", { class: "unsteady", x: least, y: high, width: most - least, height: low - high, fill: this.#fill }),
       svg("path", { class: "steady", d: `M${least} ${low}L${border.join("L")}L${least} ${high}Z` }),
       svg("rect", { class: "border", x: least, y: high, width: most - least, height: low - high }),
