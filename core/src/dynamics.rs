@@ -1,4 +1,8 @@
 //! Reduced time stepping (Algorithm 2 of the paper, eqs. 47 to 49).
+//!
+//! The velocities of the data are the true ones, not difference quotients, and those fall from the start as fast as the
+//! membrane relaxes. Forward Euler is stable there with very small steps only, so a step is divided into as many equal
+//! parts as the learned manifold needs where it is.
 
 use crate::Real;
 use crate::basis::Basis;
@@ -6,6 +10,11 @@ use crate::linalg::{dot, part, part_mut};
 use crate::manifold::Manifold;
 use crate::model::wire::Paper;
 use crate::motion::Motion;
+
+/// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1.
+const STABLE: f64 = 1.0;
+/// The most parts of a step.
+const MOST_PARTS: usize = 64;
 
 /// The local reduced model of a query and its state after a whole number of steps.
 #[derive(Clone, Debug)]
@@ -84,12 +93,37 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
             self.start(motion);
         }
         while self.steps < target {
-            self.alpha = self.euler(step);
+            let start = T::from_index(self.steps) * step;
+            let alpha = self.march(motion, settings, start, step);
             self.steps += 1;
-            let alpha = self.alpha;
+            self.alpha = alpha;
             self.xi = self.equilibrium(motion, settings, T::from_index(self.steps) * step, &alpha);
         }
-        self.euler(t - T::from_index(target) * step)
+        let start = T::from_index(target) * step;
+        self.march(motion, settings, start, t - start)
+    }
+
+    /// alpha after a time from the state at `start`, in as many parts as stability needs (eq. 48).
+    fn march(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, start: T, length: T) -> [T; M] {
+        let (u, v, window) = (&self.displacement, &self.velocity, T::from_f64(settings.window));
+        let stiffness = self
+            .manifold
+            .stiffness(&motion.times, window, start, |instant, alpha, xi| {
+                snapshot(motion, u, v, instant, alpha, xi);
+            });
+        let parts = (stiffness * length / T::from_f64(STABLE))
+            .to_index()
+            .clamp(0, MOST_PARTS - 1)
+            + 1;
+        let part = length / T::from_index(parts);
+        let (mut alpha, mut xi) = (self.alpha, self.xi);
+        for done in 1..=parts {
+            alpha = core::array::from_fn(|k| alpha[k] + part * dot(&self.q[k], &xi));
+            if done < parts {
+                xi = self.equilibrium(motion, settings, start + T::from_index(done) * part, &alpha);
+            }
+        }
+        alpha
     }
 
     /// Local bases and Q of the query; the state at t = 0.
@@ -124,11 +158,6 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
             &mut self.alpha,
             &mut self.xi,
         );
-    }
-
-    /// alpha + step Q xi (eq. 48).
-    fn euler(&self, step: T) -> [T; M] {
-        core::array::from_fn(|k| self.alpha[k] + step * dot(&self.q[k], &self.xi))
     }
 
     /// xi = M(alpha, t) (eq. 49).

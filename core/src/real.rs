@@ -30,8 +30,6 @@ pub trait Real:
     const EPSILON: Self;
     /// Largest finite number.
     const MAX: Self;
-    /// Ridge of the manifold's local fit, relative to the trace of its dual matrix.
-    const FIT_RIDGE: Self;
 
     /// The nearest number to a stored single.
     fn from_f32(value: f32) -> Self;
@@ -65,13 +63,12 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($scalar:ident, $sqrt:path, $ridge:expr) => {
+    ($scalar:ident, $sqrt:path) => {
         impl Real for $scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $scalar::EPSILON;
             const MAX: Self = $scalar::MAX;
-            const FIT_RIDGE: Self = $ridge;
 
             fn from_f32(value: f32) -> Self {
                 value as $scalar
@@ -95,5 +92,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::sqrtf, 1e-6);
-real!(f64, libm::sqrt, 1e-10);
+real!(f32, libm::sqrtf);
+real!(f64, libm::sqrt);

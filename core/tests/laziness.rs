@@ -68,7 +68,6 @@ impl Real for Counted {
     const ONE: Self = Self(1.0);
     const EPSILON: Self = Self(f32::EPSILON);
     const MAX: Self = Self(f32::MAX);
-    const FIT_RIDGE: Self = Self(f32::FIT_RIDGE);
 
     fn from_f32(value: f32) -> Self {
         READS.with(|reads| reads.set(reads.get() + 1));
