@@ -261,6 +261,29 @@ describe("the sections", () => {
   });
 });
 
+describe("what is out of sight", () => {
+  const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+  onPage(
+    "is not drawn until it is scrolled to",
+    `#ca=0.05&al=0.9&t=1${FLAT}`,
+    async (page) => {
+      const outline = () => page.getAttribute("#diagonal .membrane", "d");
+      await page.evaluate(() => window.capsuleExplorer.set({ t: 2 }));
+      await settled(page);
+      const unseen = await outline();
+      await page.evaluate(() => window.capsuleExplorer.set({ t: 3 }));
+      await settled(page);
+      assert.equal(await outline(), unseen, "nobody looks, nothing is drawn");
+      await page.locator("#diagonal").scrollIntoViewIfNeeded();
+      await page.waitForFunction(
+        (before) => document.querySelector("#diagonal .membrane").getAttribute("d") !== before,
+        unseen,
+      );
+    },
+    phone,
+  );
+});
+
 describe("without", () => {
   test("a model the page says what is missing and what would help", async () => {
     const { page, close } = await openPage(browser, `${server.url}?model=./nothing.crom`);

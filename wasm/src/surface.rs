@@ -178,11 +178,11 @@ mod tests {
             );
             assert_eq!(surface.triangles().len(), 8 * divisions * divisions);
             let at = surface.positions(&nodes);
-            let six_volumes: f32 = surface
+            let six_volumes: f64 = surface
                 .triangles()
                 .iter()
                 .map(|triangle| {
-                    let [p, q, r] = triangle.map(|vertex| at[vertex as usize]);
+                    let [p, q, r] = triangle.map(|vertex| at[vertex as usize].map(f64::from));
                     p[0] * (q[1] * r[2] - q[2] * r[1])
                         + p[1] * (q[2] * r[0] - q[0] * r[2])
                         + p[2] * (q[0] * r[1] - q[1] * r[0])
