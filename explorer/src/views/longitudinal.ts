@@ -17,7 +17,7 @@ export interface LongitudinalScene {
 /** Half of what is seen across the channel: the same in both sections, so that they are drawn to one scale. */
 const HALF_HEIGHT = 1.62;
 /** Free length kept on both sides of the centroid when the laboratory window turns its page. */
-const MARGIN = 2;
+const MARGIN = 2.3;
 const AXIS_HEIGHT = 34;
 const AXIS_WIDTH = 30;
 
