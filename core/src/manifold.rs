@@ -90,12 +90,19 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         snapshot: impl FnMut(usize, &mut [T; M], &mut [T; M]),
     ) -> T {
         let weights = self.fetch(times, window, t, snapshot);
+        let snapshots = || {
+            self.alpha
+                .iter()
+                .zip(&self.xi)
+                .zip(&weights)
+                .filter(|(_, weight)| **weight > T::ZERO)
+        };
         let mut stiffness = T::ZERO;
-        for i in (1..MOST).filter(|&i| weights[i] > T::ZERO) {
-            for j in (0..i).filter(|&j| weights[j] > T::ZERO) {
-                let [displacement, velocity] = [&self.alpha, &self.xi].map(|x| shape_distance(&x[i], &x[j]));
+        for (i, ((alpha, xi), _)) in snapshots().enumerate() {
+            for ((other, velocity), _) in snapshots().take(i) {
+                let displacement = shape_distance(alpha, other);
                 if displacement > T::ZERO {
-                    stiffness = stiffness.max(velocity / displacement);
+                    stiffness = stiffness.max(shape_distance(xi, velocity) / displacement);
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Tells the linker where memory.x is and the compiler which model to put into flash: the file that the environment
+//! Tells the linker where memory.x is and the compiler which model to put into the board's memory: the file that the environment
 //! variable CAPSULE_MODEL names, or the shipped one.
 
 use std::env;

@@ -10,11 +10,15 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
 use cortex_m_semihosting::hio::{self, HostStream};
 
-/// Puts the model where its pads count from: on a 16-byte boundary of the flash.
+/// Puts the model where its pads count from: on a 16-byte boundary.
 #[repr(C, align(16))]
-struct Aligned<Bytes: ?Sized>(Bytes);
+struct Aligned<Bytes>(Bytes);
 
-static MODEL: &Aligned<[u8]> = &Aligned(*include_bytes!(env!("CAPSULE_MODEL")));
+const LENGTH: usize = include_bytes!(env!("CAPSULE_MODEL")).len();
+
+// SAFETY: memory.x places the section in memory that is only read.
+#[unsafe(link_section = ".model")]
+static MODEL: Aligned<[u8; LENGTH]> = Aligned(*include_bytes!(env!("CAPSULE_MODEL")));
 
 #[entry]
 fn main() -> ! {
