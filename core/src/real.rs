@@ -28,8 +28,6 @@ pub trait Real:
     const ONE: Self;
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
-    /// Largest finite number.
-    const MAX: Self;
 
     /// The nearest number to a stored single.
     fn from_f32(value: f32) -> Self;
@@ -68,7 +66,6 @@ macro_rules! real {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $scalar::EPSILON;
-            const MAX: Self = $scalar::MAX;
 
             fn from_f32(value: f32) -> Self {
                 value as $scalar

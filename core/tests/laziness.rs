@@ -67,7 +67,6 @@ impl Real for Counted {
     const ZERO: Self = Self(0.0);
     const ONE: Self = Self(1.0);
     const EPSILON: Self = Self(f32::EPSILON);
-    const MAX: Self = Self(f32::MAX);
 
     fn from_f32(value: f32) -> Self {
         READS.with(|reads| reads.set(reads.get() + 1));

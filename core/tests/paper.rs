@@ -78,3 +78,17 @@ fn the_answer_does_not_depend_on_the_way_to_the_instant() {
     assert_eq!(at(1.337), straight);
     assert_eq!(at(3.1), later);
 }
+
+#[test]
+fn a_membrane_that_relaxes_between_snapshots_stays_stable() {
+    // The fastest coefficient falls by exp(-15) from one snapshot to the next: forward Euler with this step would grow
+    // by a factor of 2 a step.
+    let family = Family {
+        rates: [150.0, 0.6, 1.7, 2.9],
+        ..Family::new(3)
+    };
+    for t in [0.05, 0.5, 4.0] {
+        let [position, _] = errors::<f32>(&family, [0.073, 0.82], 0.02, t);
+        assert!(position < 0.05, "t = {t}: {position}");
+    }
+}

@@ -13,8 +13,6 @@ use std::collections::HashMap;
 pub const SHAPE_MODES: usize = 4;
 /// Number of parameter functions: 1, a/l, (a/l)^2, Ca.
 pub const FUNCTIONS: usize = 4;
-/// Relaxation rates of the shape's coefficients.
-pub const RATES: [f64; SHAPE_MODES] = [1.0, 0.6, 1.7, 2.9];
 
 /// Mesh of the unit sphere with its square symmetry.
 pub struct Sphere {
@@ -122,6 +120,8 @@ pub struct Family {
     pub modes: Vec<Vec<[f64; 3]>>,
     /// Velocity modes in terms of the shape modes: an orthogonal matrix, row by row.
     pub mixing: [[f64; SHAPE_MODES]; SHAPE_MODES],
+    /// Relaxation rates of the shape's coefficients.
+    pub rates: [f64; SHAPE_MODES],
     pub times: Vec<f32>,
     pub samples: Vec<[f64; 2]>,
 }
@@ -170,6 +170,7 @@ impl Family {
             sphere,
             modes,
             mixing,
+            rates: [1.0, 0.6, 1.7, 2.9],
             times,
             samples: design(|_| true),
         }
@@ -194,7 +195,7 @@ impl Family {
             [0.0, 0.1, 0.0, 0.3],
         ];
         let start = [[0.0; 4], [0.0; 4], [0.0; 4], [0.05, 0.0, 0.02, 0.0]];
-        let rate = RATES[k - 1];
+        let rate = self.rates[k - 1];
         let decay = (-rate * t).exp();
         let scale = root * 0.2;
         let value = |l: usize| scale * (target[k - 1][l] + (start[k - 1][l] - target[k - 1][l]) * decay);
