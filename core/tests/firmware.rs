@@ -1,6 +1,6 @@
-//! The firmware's answers under QEMU against this machine's, bit for bit. Ignored unless asked for, because it needs
-//! the target (`rustup target add thumbv7em-none-eabihf`) and the emulator (`apt-get install qemu-system-arm`):
-//! `cargo test -p capsule-core --test firmware -- --ignored`.
+//! The firmware's answers under QEMU against this machine's, bit for bit. Run by its name alone, because it needs the
+//! target (`rustup target add thumbv7em-none-eabihf`) and the emulator (`apt-get install qemu-system-arm`):
+//! `cargo test -p capsule-core --test firmware`.
 
 mod common;
 #[path = "../../tests/firmware/src/questions.rs"]
@@ -63,7 +63,6 @@ fn agree(model: &Path) {
 }
 
 #[test]
-#[ignore = "needs QEMU and the thumbv7em-none-eabihf target"]
 fn a_small_model_gives_the_same_bits_on_the_target() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("family.crom");
     std::fs::write(&path, common::Family::new(3).file()).unwrap();
@@ -71,7 +70,6 @@ fn a_small_model_gives_the_same_bits_on_the_target() {
 }
 
 #[test]
-#[ignore = "needs QEMU and the thumbv7em-none-eabihf target"]
 fn the_shipped_model_gives_the_same_bits_on_the_target() {
     agree(&firmware().join("../../models/capsule.crom"));
 }

@@ -70,7 +70,10 @@ struct History<'a> {
 
 pub fn run(options: &Options) -> Result<()> {
     interrupt::listen()?;
-    let configuration = Configuration { capillary_number: options.ca, confinement: options.confinement };
+    let configuration = Configuration {
+        capillary_number: options.ca,
+        confinement: options.confinement,
+    };
     configuration.validate()?;
     let solver = Solver::new(options.solver.settings())?;
     let bar = progress::bar(options.quiet, thousandths(solver.settings().end_time), "{bar:40} {msg}");
@@ -163,7 +166,18 @@ fn report(outcome: &Outcome) -> Result<()> {
             columns.iter().map(|column| format!("{:.4}", column[i])).collect()
         })
         .collect();
-    print::table(&["t", "velocity", "length", "half_width", "half_diagonal", "rear_depth", "pressure_drop"], &rows)?;
+    print::table(
+        &[
+            "t",
+            "velocity",
+            "length",
+            "half_width",
+            "half_diagonal",
+            "rear_depth",
+            "pressure_drop",
+        ],
+        &rows,
+    )?;
     println!(
         "{}; {} velocity evaluations in {:.1} s; relative volume drift {:.1e}",
         match &outcome.status {

@@ -33,7 +33,11 @@ struct Shear {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let settings = shear::Settings { mesh_frequency: options.mesh, end_time: options.end_time, ..Default::default() };
+    let settings = shear::Settings {
+        mesh_frequency: options.mesh,
+        end_time: options.end_time,
+        ..Default::default()
+    };
     let outcome = shear::shear(options.ca, &settings)?;
     if options.json {
         return print::json(&Shear {

@@ -1,7 +1,7 @@
 //! `capsule-rom fom sweep`: a design of experiment, resumable, one file a configuration.
 
-use crate::{interrupt, progress};
 use crate::solver_options::SolverOptions;
+use crate::{interrupt, progress};
 use anyhow::{Context, Result, bail};
 use capsule_database::{Database, Description, Trajectory};
 use capsule_fom::{Configuration, Outcome, Settings, Solver, Status};
@@ -51,7 +51,8 @@ struct Queue {
 impl Queue {
     fn next(&mut self) -> Option<Configuration> {
         let ended = &self.ended_rows;
-        self.waiting.retain(|configuration| !ended.contains(&row(configuration)));
+        self.waiting
+            .retain(|configuration| !ended.contains(&row(configuration)));
         (!self.waiting.is_empty()).then(|| self.waiting.remove(0))
     }
 
@@ -75,17 +76,26 @@ pub fn run(options: &Options) -> Result<()> {
         bail!("--workers must be at least 1");
     }
     let solver = Solver::new(options.solver.settings())?;
-    let database = Database::create(&options.database, description(solver.settings())?, database_mesh(&solver))?;
+    let database = Database::create(
+        &options.database,
+        description(solver.settings())?,
+        database_mesh(&solver),
+    )?;
     let queue = Mutex::new(queue(design, &database)?);
     let template = "{bar:40} {pos}/{len} configurations, {elapsed} gone, {eta} to go  {msg}";
     let bar = progress::bar(options.quiet, remaining(&queue), template);
 
     let results: Vec<Result<()>> = std::thread::scope(|scope| {
-        let workers: Vec<_> =
-            (0..options.workers).map(|_| scope.spawn(|| work(&solver, &database, &queue, &bar))).collect();
+        let workers: Vec<_> = (0..options.workers)
+            .map(|_| scope.spawn(|| work(&solver, &database, &queue, &bar)))
+            .collect();
         workers
             .into_iter()
-            .map(|worker| worker.join().unwrap_or_else(|_| Err(anyhow::anyhow!("a worker ended unexpectedly"))))
+            .map(|worker| {
+                worker
+                    .join()
+                    .unwrap_or_else(|_| Err(anyhow::anyhow!("a worker ended unexpectedly")))
+            })
             .collect()
     });
     bar.finish_and_clear();
@@ -95,13 +105,20 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let entries = database.entries()?;
     let steady = entries.iter().filter(|entry| entry.status.is_steady()).count();
-    println!("{steady} steady of {} configurations in {}", entries.len(), options.database.display());
+    println!(
+        "{steady} steady of {} configurations in {}",
+        entries.len(),
+        options.database.display()
+    );
     Ok(())
 }
 
 /// What is still to do: rows that ended in an earlier sweep stay ended.
 fn queue(design: Vec<Configuration>, database: &Database) -> Result<Queue> {
-    let mut queue = Queue { waiting: Vec::new(), ended_rows: BTreeSet::new() };
+    let mut queue = Queue {
+        waiting: Vec::new(),
+        ended_rows: BTreeSet::new(),
+    };
     let ended: Vec<Vec<f64>> = database
         .entries()?
         .into_iter()
@@ -110,7 +127,10 @@ fn queue(design: Vec<Configuration>, database: &Database) -> Result<Queue> {
         .collect();
     for configuration in design {
         let parameters = parameters(&configuration);
-        if ended.iter().any(|end| same(end[1], parameters[1]) && parameters[0] > end[0] - 1e-9) {
+        if ended
+            .iter()
+            .any(|end| same(end[1], parameters[1]) && parameters[0] > end[0] - 1e-9)
+        {
             continue;
         }
         if !database.contains(&parameters) {
@@ -128,13 +148,21 @@ fn design(options: &Options) -> Vec<Configuration> {
     let or = |given: &[f64], default: Vec<f64>| if given.is_empty() { default } else { given.to_vec() };
     let capillary_numbers = or(
         &options.ca,
-        std::iter::once(0.005).chain((1..=20).map(|i| f64::from(i) / 100.0)).collect(),
+        std::iter::once(0.005)
+            .chain((1..=20).map(|i| f64::from(i) / 100.0))
+            .collect(),
     );
-    let confinements = or(&options.confinement, (0..10).map(|i| f64::from(75 + 5 * i) / 100.0).collect());
+    let confinements = or(
+        &options.confinement,
+        (0..10).map(|i| f64::from(75 + 5 * i) / 100.0).collect(),
+    );
     capillary_numbers
         .iter()
         .flat_map(|&capillary_number| {
-            confinements.iter().map(move |&confinement| Configuration { capillary_number, confinement })
+            confinements.iter().map(move |&confinement| Configuration {
+                capillary_number,
+                confinement,
+            })
         })
         .collect()
 }
@@ -145,11 +173,17 @@ fn remaining(queue: &Mutex<Queue>) -> u64 {
 
 /// One worker: takes configurations until none is left or Ctrl-C was pressed.
 fn work(solver: &Solver, database: &Database, queue: &Mutex<Queue>, bar: &ProgressBar) -> Result<()> {
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().context("could not start a worker thread")?;
+    let alone = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .context("could not start a worker thread")?;
     let lock = || queue.lock().map_err(|_| anyhow::anyhow!("another worker failed"));
     while !interrupt::asked() {
         let Some(configuration) = lock()?.next() else { break };
-        bar.set_message(format!("Ca = {}, a/l = {}", configuration.capillary_number, configuration.confinement));
+        bar.set_message(format!(
+            "Ca = {}, a/l = {}",
+            configuration.capillary_number, configuration.confinement
+        ));
         let outcome = alone.install(|| solver.run(&configuration, &mut |_| interrupt::flow()))?;
         if interrupt::asked() {
             break;
@@ -175,7 +209,10 @@ fn parameters(configuration: &Configuration) -> Vec<f64> {
 /// The solver's mesh as the database keeps it.
 pub fn database_mesh(solver: &Solver) -> capsule_database::Mesh {
     let mesh = solver.mesh();
-    capsule_database::Mesh { nodes: mesh.nodes.clone(), elements: mesh.elements.clone() }
+    capsule_database::Mesh {
+        nodes: mesh.nodes.clone(),
+        elements: mesh.elements.clone(),
+    }
 }
 
 /// The outcome of a run as the database keeps it.
@@ -195,7 +232,10 @@ fn status(status: &Status) -> capsule_database::Status {
     match status {
         Status::Steady { time } => capsule_database::Status::Steady { time: *time },
         Status::Unsteady => capsule_database::Status::Unsteady,
-        Status::Stopped { time, reason } => capsule_database::Status::Stopped { time: *time, reason: reason.clone() },
+        Status::Stopped { time, reason } => capsule_database::Status::Stopped {
+            time: *time,
+            reason: reason.clone(),
+        },
     }
 }
 
@@ -211,14 +251,19 @@ mod tests {
 
     #[test]
     fn a_row_ends_where_it_is_unsteady() {
-        let at = |capillary_number, confinement| Configuration { capillary_number, confinement };
+        let at = |capillary_number, confinement| Configuration {
+            capillary_number,
+            confinement,
+        };
         let mut queue = Queue {
             waiting: vec![at(0.1, 0.8), at(0.1, 0.9), at(0.2, 0.8), at(0.2, 0.9)],
             ended_rows: BTreeSet::new(),
         };
         let first = queue.next().unwrap();
         queue.end_row(&first);
-        let rest: Vec<f64> = std::iter::from_fn(|| queue.next()).map(|next| next.confinement).collect();
+        let rest: Vec<f64> = std::iter::from_fn(|| queue.next())
+            .map(|next| next.confinement)
+            .collect();
         assert_eq!(rest, [0.9, 0.9]);
     }
 }

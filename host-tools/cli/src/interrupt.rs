@@ -23,5 +23,9 @@ pub fn asked() -> bool {
 
 /// `Break` once Ctrl-C was pressed.
 pub fn flow() -> ControlFlow<()> {
-    if asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    if asked() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
 }

@@ -51,7 +51,9 @@ enum Command {
     #[command(subcommand)]
     Study(Study),
     /// Print a completion script for a shell
-    #[command(after_help = "Example:\n  capsule-rom completions bash > ~/.local/share/bash-completion/completions/capsule-rom")]
+    #[command(
+        after_help = "Example:\n  capsule-rom completions bash > ~/.local/share/bash-completion/completions/capsule-rom"
+    )]
     Completions {
         /// The shell
         shell: clap_complete::Shell,

@@ -15,18 +15,22 @@ static SHIPPED: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../models/capsu
 pub fn read(path: Option<&Path>) -> Result<Cow<'static, [u8]>> {
     match path {
         None => Ok(Cow::Borrowed(&SHIPPED.0)),
-        Some(path) => Ok(Cow::Owned(
-            std::fs::read(path).with_context(|| format!("could not read the model {}", path.display()))?,
-        )),
+        Some(path) => {
+            Ok(Cow::Owned(std::fs::read(path).with_context(|| {
+                format!("could not read the model {}", path.display())
+            })?))
+        }
     }
 }
 
 /// The model in these bytes.
 pub fn open<'a>(bytes: &'a [u8], path: Option<&Path>) -> Result<Model<'a>> {
-    Model::open(bytes).map_err(anyhow::Error::new).with_context(|| match path {
-        None => "the shipped model".to_owned(),
-        Some(path) => format!("the model {}", path.display()),
-    })
+    Model::open(bytes)
+        .map_err(anyhow::Error::new)
+        .with_context(|| match path {
+            None => "the shipped model".to_owned(),
+            Some(path) => format!("the model {}", path.display()),
+        })
 }
 
 /// The digest as people and file names show it.

@@ -19,7 +19,7 @@ pub struct Options {
     /// Model file to write
     #[arg(long, value_name = "FILE", default_value = "models/capsule.crom")]
     out: PathBuf,
-    /// Truncation: root mean square error that each basis may leave, in l and V [default: 2e-5]
+    /// Truncation: root mean square error that each basis may leave, in l and V [default: 1e-4 l, 1e-3 V]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
     /// Truncation at the paper's ranks: 40 and 40 for the displacement, 50 and 50 for the velocity
@@ -44,15 +44,23 @@ Examples:
 
 pub fn run(options: &Options) -> Result<()> {
     let database = Database::open(&options.database)?;
-    let mut settings = Settings { created_unix_s: now(), ..Settings::default() };
+    let mut settings = Settings {
+        created_unix_s: now(),
+        ..Settings::default()
+    };
     if let Some(tolerance) = options.tolerance {
-        settings.truncation = Truncation::Tolerance { displacement: tolerance, velocity: tolerance };
+        settings.truncation = Truncation::Tolerance {
+            displacement: tolerance,
+            velocity: tolerance,
+        };
     }
     if options.paper_ranks {
         settings.truncation = Truncation::PAPER;
     }
     let bar = progress::tasks(options.quiet);
-    let (bytes, report) = capsule_offline::build(&database, &settings, &|task, done, of| progress::show(&bar, task, done, of))?;
+    let (bytes, report) = capsule_offline::build(&database, &settings, &|task, done, of| {
+        progress::show(&bar, task, done, of)
+    })?;
     bar.finish_and_clear();
     write(&options.out, &bytes)?;
     if let Some(folder) = &options.plots {
@@ -66,18 +74,32 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// Seconds since 1970, or what SOURCE_DATE_EPOCH says, so that a build can be repeated to the bit.
 fn now() -> u64 {
-    let fixed = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok());
-    fixed.unwrap_or_else(|| SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()))
+    let fixed = std::env::var("SOURCE_DATE_EPOCH")
+        .ok()
+        .and_then(|text| text.parse().ok());
+    fixed.unwrap_or_else(|| {
+        SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .map_or(0, |since| since.as_secs())
+    })
 }
 
 /// Replaces the file whole or not at all.
 fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder)
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    let mut file = builder
+        .tempfile_in(folder)
         .with_context(|| format!("could not write into the folder {}", folder.display()))?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
-    file.persist(path).with_context(|| format!("could not write {}", path.display()))?;
+    file.persist(path)
+        .with_context(|| format!("could not write {}", path.display()))?;
     Ok(())
 }
 
@@ -104,9 +126,26 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
             ]);
         }
     }
-    print::table(&["a/l", "samples", "field", "K_x", "K_c", "space error", "parameter error"], &rows)?;
+    print::table(
+        &[
+            "a/l",
+            "samples",
+            "field",
+            "K_x",
+            "K_c",
+            "space error",
+            "parameter error",
+        ],
+        &rows,
+    )?;
     println!();
-    let heading = ["matrix", "K with 1-RIC <= 1e-7", "sigma_2/sigma_1", "sigma_10/sigma_1", "sigma_40/sigma_1"];
+    let heading = [
+        "matrix",
+        "K with 1-RIC <= 1e-7",
+        "sigma_2/sigma_1",
+        "sigma_10/sigma_1",
+        "sigma_40/sigma_1",
+    ];
     let rows: Vec<Vec<String>> = report.spectra.iter().map(spectrum_row).collect();
     print::table(&heading, &rows)
 }
@@ -120,8 +159,15 @@ fn name(spectrum: &Spectrum) -> String {
 
 fn spectrum_row(spectrum: &Spectrum) -> Vec<String> {
     let values = &spectrum.singular_values;
-    let rank = one_minus_ric(values).iter().position(|&rest| rest <= 1e-7).map_or("-".to_owned(), |k| (k + 1).to_string());
-    let ratio = |k: usize| values.get(k - 1).map_or("-".to_owned(), |value| format!("{:.1e}", value / values[0]));
+    let rank = one_minus_ric(values)
+        .iter()
+        .position(|&rest| rest <= 1e-7)
+        .map_or("-".to_owned(), |k| (k + 1).to_string());
+    let ratio = |k: usize| {
+        values
+            .get(k - 1)
+            .map_or("-".to_owned(), |value| format!("{:.1e}", value / values[0]))
+    };
     vec![name(spectrum), rank, ratio(2), ratio(10), ratio(40)]
 }
 
@@ -133,7 +179,10 @@ fn plot(folder: &Path, spectra: &[Spectrum]) -> Result<()> {
         let shown = spectra.iter().filter(|spectrum| spectrum.matrix.starts_with(kind));
         Panel::Lines(shown.fold(axes, |lines, spectrum| {
             let points = of(&spectrum.singular_values).into_iter().enumerate().take(100);
-            lines.with(Curve::line(&name(spectrum), points.map(|(k, value)| ((k + 1) as f64, value)).collect()))
+            lines.with(Curve::line(
+                &name(spectrum),
+                points.map(|(k, value)| ((k + 1) as f64, value)).collect(),
+            ))
         }))
     };
     let ratio = |values: &[f64]| values.iter().map(|value| value / values[0]).collect();

@@ -128,7 +128,11 @@ pub fn run(options: &Options) -> Result<()> {
         ..Query::new(options.ca, options.confinement, method)
     })?;
 
-    let instants = options.t.iter().map(|&t| instant(&mut evaluator, t)).collect::<Result<Vec<_>>>()?;
+    let instants = options
+        .t
+        .iter()
+        .map(|&t| instant(&mut evaluator, t))
+        .collect::<Result<Vec<_>>>()?;
     let prediction = Prediction {
         ca: options.ca,
         confinement: options.confinement,
@@ -153,7 +157,10 @@ pub fn run(options: &Options) -> Result<()> {
         prediction.ca, prediction.confinement, prediction.method, prediction.model_digest
     );
     let row = |instant: &InstantRow| instant.cells().iter().map(|value| format!("{value:.5}")).collect();
-    print::table(&InstantRow::HEADING, &prediction.instants.iter().map(row).collect::<Vec<_>>())
+    print::table(
+        &InstantRow::HEADING,
+        &prediction.instants.iter().map(row).collect::<Vec<_>>(),
+    )
 }
 
 /// The method's name in JSON and in tables.
@@ -197,20 +204,35 @@ fn write_csv(file: &Path, prediction: &Prediction) -> Result<()> {
 }
 
 fn write_vtu(folder: &Path, model: &Model<'_>, evaluator: &mut Evaluator<'_, f32>, times: &[f32]) -> Result<()> {
-    let scene = Scene { nodes: Nodes::All, frame: Frame::Laboratory };
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
     let mesh = &model.contents().mesh;
     let mut nodes = vec![[0.0_f32; 3]; mesh.nodes as usize];
-    let indices: Vec<u32> =
-        mesh.elements.data.chunks_exact(2).map(|pair| u32::from(u16::from_le_bytes([pair[0], pair[1]]))).collect();
+    let indices: Vec<u32> = mesh
+        .elements
+        .data
+        .chunks_exact(2)
+        .map(|pair| u32::from(u16::from_le_bytes([pair[0], pair[1]])))
+        .collect();
     evaluator.at(0.0)?.positions(&scene, &mut nodes)?;
-    let mesh = capsule_database::Mesh { nodes: wide(&nodes), elements: indices.as_chunks::<6>().0.to_vec() };
+    let mesh = capsule_database::Mesh {
+        nodes: wide(&nodes),
+        elements: indices.as_chunks::<6>().0.to_vec(),
+    };
     let mut series = vtu::Series::create(folder, "capsule")?;
     for &t in times {
         let mut instant = evaluator.at(t)?;
         instant.positions(&scene, &mut nodes)?;
         let positions = wide(&nodes);
         instant.velocities(&scene, &mut nodes)?;
-        series.add(f64::from(t), &mesh, &positions, &[vtu::PointData::Vector("velocity", &wide(&nodes))])?;
+        series.add(
+            f64::from(t),
+            &mesh,
+            &positions,
+            &[vtu::PointData::Vector("velocity", &wide(&nodes))],
+        )?;
     }
     series.finish()?;
     Ok(())

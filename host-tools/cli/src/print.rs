@@ -19,7 +19,10 @@ pub fn table(heading: &[&str], rows: &[Vec<String>]) -> Result<()> {
         cells.chain([heading[column].len()]).max().unwrap_or(0)
     };
     let line = |cells: &mut dyn Iterator<Item = &str>| -> String {
-        cells.enumerate().map(|(column, cell)| format!("{cell:>width$}  ", width = width(column))).collect()
+        cells
+            .enumerate()
+            .map(|(column, cell)| format!("{cell:>width$}  ", width = width(column)))
+            .collect()
     };
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", line(&mut heading.iter().copied()).trim_end())?;

@@ -43,7 +43,9 @@ impl SolverOptions {
         let mut settings = Settings {
             mesh_frequency: self.mesh,
             integrator: match self.integrator {
-                Scheme::Rkc2 => Integrator::Rkc2 { tolerance: self.tolerance },
+                Scheme::Rkc2 => Integrator::Rkc2 {
+                    tolerance: self.tolerance,
+                },
                 Scheme::Euler => Integrator::ForwardEuler { step: self.step },
                 Scheme::Ralston => Integrator::Ralston { step: self.step },
             },
@@ -57,6 +59,9 @@ impl SolverOptions {
     }
 
     pub fn integrator_name(&self) -> String {
-        self.integrator.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+        self.integrator
+            .to_possible_value()
+            .map(|value| value.get_name().to_owned())
+            .unwrap_or_default()
     }
 }

@@ -54,7 +54,10 @@ pub fn run(options: &Options) -> Result<()> {
     if options.json {
         return print::json(&report);
     }
-    println!("{} samples; per cent of a; default method: {}", report.samples, report.default);
+    println!(
+        "{} samples; per cent of a; default method: {}",
+        report.samples, report.default
+    );
     let rows: Vec<Vec<String>> = report
         .methods
         .iter()
@@ -67,10 +70,16 @@ pub fn run(options: &Options) -> Result<()> {
                 instant.shape_max_percent,
             ];
             let cells = errors.iter().map(|error| format!("{error:.3}"));
-            [method.to_string(), instant.t.to_string()].into_iter().chain(cells).collect()
+            [method.to_string(), instant.t.to_string()]
+                .into_iter()
+                .chain(cells)
+                .collect()
         })
         .collect();
-    print::table(&["method", "t", "lab mean", "lab max", "shape mean", "shape max"], &rows)
+    print::table(
+        &["method", "t", "lab mean", "lab max", "shape mean", "shape max"],
+        &rows,
+    )
 }
 
 /// One figure a method and frame, one panel an instant.
@@ -81,7 +90,11 @@ fn plot(folder: &Path, report: &Report) -> Result<()> {
             let panels = report.methods[method].iter().enumerate().map(|(i, instant)| {
                 let title = format!("{method}, {frame}, t = {}", instant.t);
                 let cells = samples.iter().map(|sample| {
-                    let percent = if frame == "lab" { &sample.lab_percent } else { &sample.shape_percent };
+                    let percent = if frame == "lab" {
+                        &sample.lab_percent
+                    } else {
+                        &sample.shape_percent
+                    };
                     (sample.capillary_number, sample.confinement, percent[i])
                 });
                 Panel::Cells(Cells::new(&title, "Ca", "a/l", "% of a", (0.01, 0.05), cells.collect()))

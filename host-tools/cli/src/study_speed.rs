@@ -25,7 +25,13 @@ pub fn run(options: &Options) -> Result<()> {
     let bytes = model::read(path)?;
     let model = model::open(&bytes, path)?;
     // Between the samples, in both clusters.
-    let queries = [[0.035, 0.83], [0.055, 1.03], [0.025, 1.13], [0.085, 0.88], [0.045, 0.97]];
+    let queries = [
+        [0.035, 0.83],
+        [0.055, 1.03],
+        [0.025, 1.13],
+        [0.085, 0.88],
+        [0.045, 0.97],
+    ];
     let timings = speed::measure::<f32>(&model, &queries, options.repetitions)?;
     if options.json {
         return print::json(&timings);
@@ -42,5 +48,8 @@ pub fn run(options: &Options) -> Result<()> {
             ]
         })
         .collect();
-    print::table(&["method", "task", "median/us", "lower quartile", "upper quartile"], &rows)
+    print::table(
+        &["method", "task", "median/us", "lower quartile", "upper quartile"],
+        &rows,
+    )
 }

@@ -18,7 +18,11 @@ fn root() -> PathBuf {
 
 fn json(arguments: &str) -> Value {
     let output = capsule_rom(arguments);
-    assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{arguments}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     serde_json::from_slice(&output.stdout).expect("one JSON object")
 }
 
@@ -34,7 +38,12 @@ fn fails(arguments: &str, code: i32, words: &[&str]) {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("an array").iter().map(|entry| entry.as_f64().expect("a number")).collect()
+    value
+        .as_array()
+        .expect("an array")
+        .iter()
+        .map(|entry| entry.as_f64().expect("a number"))
+        .collect()
 }
 
 #[test]
@@ -74,7 +83,10 @@ fn a_prediction_has_its_fields_and_keeps_the_volume() {
     for instant in instants {
         let of = |field: &str| instant[field].as_f64().unwrap();
         assert!((of("volume") / sphere - 1.0).abs() < 2e-3, "{instant}");
-        assert!(of("half_width") < 1.0 && of("half_diagonal") < 2.0_f64.sqrt(), "{instant}");
+        assert!(
+            of("half_width") < 1.0 && of("half_diagonal") < 2.0_f64.sqrt(),
+            "{instant}"
+        );
         assert!(of("velocity") > 1.0 && of("velocity") < 2.0963, "{instant}");
         assert!(of("rear_depth") >= 0.0 && of("expected_error") > 0.0, "{instant}");
     }
@@ -87,20 +99,31 @@ fn a_prediction_has_its_fields_and_keeps_the_volume() {
 #[test]
 fn a_sample_is_reproduced() {
     let database = capsule_database::Database::open(&root().join("models/database")).unwrap();
-    let trajectory = database.read(&[0.05, 1.0]).unwrap().extended(&[2.0]).unwrap();
+    let trajectory = database
+        .read(&[0.05, 1.0])
+        .unwrap()
+        .extended(database.mesh(), &[2.0])
+        .unwrap();
     let x = |node: &[f64; 3]| node[0];
     let front = trajectory.positions[0].iter().map(x).fold(f64::MIN, f64::max);
     let rear = trajectory.positions[0].iter().map(x).fold(f64::MAX, f64::min);
     let prediction = json("predict --ca 0.05 --confinement 1.00 --t 2 --json");
     let length = prediction["instants"][0]["axial_length"].as_f64().unwrap();
     // The observable interpolates the rim between nodes, so that it may exceed the nodes' extremes a little.
-    assert!((length - (front - rear)).abs() < 0.01, "{length} against {}", front - rear);
+    assert!(
+        (length - (front - rear)).abs() < 0.01,
+        "{length} against {}",
+        front - rear
+    );
 }
 
 #[test]
 fn both_methods_agree_inside_the_domain() {
     let at = |method: &str| {
-        json(&format!("predict --ca 0.055 --confinement 0.97 --t 4 --method {method} --json"))["instants"][0].clone()
+        json(&format!(
+            "predict --ca 0.055 --confinement 0.97 --t 4 --method {method} --json"
+        ))["instants"][0]
+            .clone()
     };
     let (direct, paper) = (at("direct"), at("paper"));
     for field in ["axial_length", "half_width", "velocity", "volume"] {
@@ -121,7 +144,11 @@ fn predictions_are_written_on_request() {
         at("sections.png")
     ));
     let table = std::fs::read_to_string(at("table.csv")).unwrap();
-    assert_eq!(table.lines().filter(|line| !line.starts_with('#')).count(), 3, "{table}");
+    assert_eq!(
+        table.lines().filter(|line| !line.starts_with('#')).count(),
+        3,
+        "{table}"
+    );
     assert!(Path::new(&at("paraview/capsule.pvd")).is_file() && Path::new(&at("paraview/capsule_0001.vtu")).is_file());
     assert_eq!(std::fs::read(at("sections.png")).unwrap()[1..4], *b"PNG");
 }
@@ -153,7 +180,11 @@ fn damaged_models_are_refused() {
     let mut newer = sound.clone();
     newer[4] = 99;
     refused(&newer, &["version", "99"]);
-    fails("predict --ca 0.1 --confinement 0.9 --t 1 --model no/such.crom", 1, &["no/such.crom"]);
+    fails(
+        "predict --ca 0.1 --confinement 0.9 --t 1 --model no/such.crom",
+        1,
+        &["no/such.crom"],
+    );
 }
 
 #[test]
@@ -165,15 +196,28 @@ fn a_full_order_run_prints_its_history_and_writes_its_snapshots() {
         out.display()
     ));
     assert_eq!((run["nodes"].as_u64(), run["elements"].as_u64()), (Some(146), Some(72)));
-    assert_eq!((run["integrator"].as_str(), run["steady"].as_bool()), (Some("rkc2"), Some(false)));
+    assert_eq!(
+        (run["integrator"].as_str(), run["steady"].as_bool()),
+        (Some("rkc2"), Some(false))
+    );
     assert_eq!(numbers(&run["history"]["t"]).len(), 3);
-    for field in ["centroid_velocity", "axial_length", "half_width", "half_diagonal", "rear_depth", "pressure_drop"] {
+    for field in [
+        "centroid_velocity",
+        "axial_length",
+        "half_width",
+        "half_diagonal",
+        "rear_depth",
+        "pressure_drop",
+    ] {
         assert_eq!(numbers(&run["history"][field]).len(), 3, "{field}");
     }
     for profile in ["profile_midplane", "profile_diagonal"] {
         let points: Vec<Vec<f64>> = run[profile].as_array().unwrap().iter().map(numbers).collect();
         let (front, rear) = (&points[0], &points[points.len() - 1]);
-        assert!(front[0] > rear[0] && front[1] == 0.0 && rear[1] == 0.0, "{profile} runs from pole to pole");
+        assert!(
+            front[0] > rear[0] && front[1] == 0.0 && rear[1] == 0.0,
+            "{profile} runs from pole to pole"
+        );
     }
     assert!(run["velocity_evaluations"].as_u64() > Some(10) && run["volume_drift"].as_f64() < Some(1e-4));
     assert!(out.join("capsule.pvd").is_file());
@@ -196,7 +240,11 @@ fn a_sweep_goes_on_where_it_stopped() {
     let file = folder.path().join("ca0.0500_al0.7500.npz");
     let written = file.metadata().unwrap().modified().unwrap();
     assert!(sweep("0.05,0.06").starts_with("2 steady of 2 "));
-    assert_eq!(file.metadata().unwrap().modified().unwrap(), written, "what is there is not computed again");
+    assert_eq!(
+        file.metadata().unwrap().modified().unwrap(),
+        written,
+        "what is there is not computed again"
+    );
 }
 
 #[test]
@@ -204,8 +252,16 @@ fn impossible_full_order_runs_are_named() {
     fails("fom run --ca 0 --confinement 0.9", 1, &["capillary number", "positive"]);
     fails("fom run --ca NaN --confinement 0.9", 1, &["NaN"]);
     fails("fom run --ca 0.1 --confinement 0.9 --mesh 1", 1, &["mesh frequency 1"]);
-    fails("fom run --ca 0.1 --confinement 0.9 --mesh 2 --integrator euler --step 0.1", 1, &["unstable", "limit"]);
-    fails("fom run --ca 0.1 --confinement 0.9 --mesh 2 --end-time 0.2 --out /proc/none", 1, &["/proc/none"]);
+    fails(
+        "fom run --ca 0.1 --confinement 0.9 --mesh 2 --integrator euler --step 0.1",
+        1,
+        &["unstable", "limit"],
+    );
+    fails(
+        "fom run --ca 0.1 --confinement 0.9 --mesh 2 --end-time 0.2 --out /proc/none",
+        1,
+        &["/proc/none"],
+    );
     fails("fom shear --ca -1", 1, &["positive"]);
 }
 
@@ -221,6 +277,9 @@ fn databases_that_cannot_be_used_are_named() {
     let broken = folder.path().join("ca0.0500_al0.9000.npz");
     let bytes = std::fs::read(&broken).unwrap();
     std::fs::write(&broken, &bytes[..bytes.len() / 2]).unwrap();
-    let arguments = format!("offline build --database {} --out /dev/null --quiet", folder.path().display());
+    let arguments = format!(
+        "offline build --database {} --out /dev/null --quiet",
+        folder.path().display()
+    );
     fails(&arguments, 1, &["ca0.0500_al0.9000.npz"]);
 }

@@ -84,8 +84,8 @@ impl Default for Settings {
             created_unix_s: 0,
             split: 0.9,
             truncation: Truncation::Tolerance {
-                displacement: 2e-5,
-                velocity: 2e-5,
+                displacement: 1e-4,
+                velocity: 1e-3,
             },
             kernel: Kernel {
                 neighbours: 24,
