@@ -289,7 +289,10 @@ impl Display for EvaluateError {
             } => {
                 write!(f, "the model has {required} {limit}, the workspace holds {capacity}")
             }
-            Self::Value { what, value, min, max } => write!(f, "{what} is {value}, it must be in [{min}, {max}]"),
+            Self::Value { what, value, min, max } => {
+                let [value, min, max] = [value, min, max].map(short);
+                write!(f, "{what} is {value}, it must be in [{min}, {max}]")
+            }
             Self::OutsideDomain {
                 capillary_number,
                 confinement,
@@ -297,9 +300,13 @@ impl Display for EvaluateError {
                 confinement_range,
             } => write!(
                 f,
-                "Ca = {capillary_number}, a/l = {confinement} lies outside the sampled domain Ca in [{}, {}], a/l in \
-                 [{}, {}]",
-                capillary_range[0], capillary_range[1], confinement_range[0], confinement_range[1]
+                "Ca = {}, a/l = {} lies outside the sampled domain Ca in [{}, {}], a/l in [{}, {}]",
+                short(capillary_number),
+                short(confinement),
+                short(capillary_range[0]),
+                short(capillary_range[1]),
+                short(confinement_range[0]),
+                short(confinement_range[1])
             ),
             Self::BeyondSteadyLimit {
                 capillary_number,
@@ -307,7 +314,10 @@ impl Display for EvaluateError {
                 limit,
             } => write!(
                 f,
-                "no steady state at Ca = {capillary_number}, a/l = {confinement}: the limit there is Ca = {limit}"
+                "no steady state at Ca = {}, a/l = {}: the limit there is Ca = {}",
+                short(capillary_number),
+                short(confinement),
+                short(limit)
             ),
             Self::Weights { sum } => write!(
                 f,
@@ -329,3 +339,8 @@ impl Display for EvaluateError {
 }
 
 impl Error for EvaluateError {}
+
+/// The digits that single precision has: a query in f32 shall not be told Ca = 0.09000000357627869.
+fn short(value: f64) -> f32 {
+    value as f32
+}
