@@ -124,7 +124,7 @@ impl Display for OpenError {
             Self::Magic { found } => write!(f, "not a model file: it starts with {found:02x?} instead of \"CROM\""),
             Self::Version { found, supported } if found > supported => write!(
                 f,
-                "the model file has format {found}, newer than {supported}, the newest that this reader knows; update \
+                "the model file has format version {found}, newer than {supported}, the newest that this reader knows; update \
                  the reader"
             ),
             Self::Version { found, supported } => {

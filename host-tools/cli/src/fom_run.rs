@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Capillary number Ca = mu V / G_s
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ca: f64,
     /// Confinement a/l
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     confinement: f64,
     #[command(flatten)]
     solver: SolverOptions,

@@ -10,7 +10,7 @@ use serde::Serialize;
 #[command(after_help = "Example:\n  capsule-rom fom shear --ca 0.3 --json")]
 pub struct Options {
     /// Capillary number Ca = mu a (shear rate) / G_s
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ca: f64,
     /// Mesh frequency n: 8 n^2 elements
     #[arg(long, default_value_t = 8)]

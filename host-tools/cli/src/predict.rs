@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Capillary number Ca = mu V / G_s
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     ca: f32,
     /// Confinement a/l
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     confinement: f32,
     /// Instants, in l/V
-    #[arg(long, value_delimiter = ',', required = true)]
+    #[arg(long, value_delimiter = ',', required = true, allow_negative_numbers = true)]
     t: Vec<f32>,
     /// How the answer is computed [default: the model's]
     #[arg(long, value_enum)]

@@ -155,7 +155,12 @@ fn predictions_are_written_on_request() {
 
 #[test]
 fn questions_without_an_answer_are_refused() {
-    fails("predict --ca 0.10 --confinement 2 --t 1", 1, &["confinement", "2"]);
+    fails(
+        "predict --ca 0.10 --confinement 2 --t 1",
+        1,
+        &["a/l = 2", "[0.75, 1.2]"],
+    );
+    fails("predict --ca -0.10 --confinement 0.9 --t 1", 1, &["-0.1"]);
     fails("predict --ca 0.19 --confinement 1.1 --t 1", 1, &["steady"]);
     fails("predict --ca NaN --confinement 0.9 --t 1", 1, &["capillary"]);
     fails("predict --ca 0.1 --confinement 0.9 --t 21", 1, &["21", "20"]);

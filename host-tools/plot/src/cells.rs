@@ -108,7 +108,8 @@ impl Cells {
             .margin(10)
             .y_label_area_size(52)
             .x_label_area_size(42)
-            .build_cartesian_2d(0.0..1.0, shown.clone())?;
+            // Some room between the labels and the colours.
+            .build_cartesian_2d(-0.3..1.0, shown.clone())?;
         chart
             .configure_mesh()
             .disable_mesh()
