@@ -19,6 +19,10 @@ pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
 /// The most samples that take part in an interpolation: the default capacity of the core's workspace.
 const NEIGHBOURS: usize = 32;
 
+/// The error, as a fraction of a, of a prediction that ran away. Forward Euler may: a model says so, rather than not be
+/// built.
+const DIVERGED: f64 = 1e3;
+
 /// The errors of one method at one sample, predicted without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
@@ -125,19 +129,24 @@ pub(crate) fn errors(
     for truth in truth {
         let mut instant = evaluator.at(truth.time)?;
         let mut predicted = vec![[0.0; 3]; truth.positions.len()];
-        instant.positions(
-            &Scene {
-                nodes: Nodes::All,
-                frame: Frame::Laboratory,
-            },
-            &mut predicted,
-        )?;
+        let scene = Scene {
+            nodes: Nodes::All,
+            frame: Frame::Laboratory,
+        };
+        match instant.positions(&scene, &mut predicted) {
+            Err(EvaluateError::NotFinite) => {
+                laboratory.push(DIVERGED);
+                shape.push(DIVERGED);
+                continue;
+            }
+            other => other?,
+        };
         let centroid = instant.centroid();
-        laboratory.push(modified_hausdorff(&predicted, &truth.positions) / parameters[1]);
+        laboratory.push((modified_hausdorff(&predicted, &truth.positions) / parameters[1]).min(DIVERGED));
         for p in &mut predicted {
             p[0] -= centroid - truth.centroid;
         }
-        shape.push(modified_hausdorff(&predicted, &truth.positions) / parameters[1]);
+        shape.push((modified_hausdorff(&predicted, &truth.positions) / parameters[1]).min(DIVERGED));
     }
     Ok((laboratory, shape))
 }

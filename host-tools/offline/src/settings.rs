@@ -89,7 +89,7 @@ impl Default for Settings {
             },
             kernel: Kernel {
                 neighbours: 24,
-                capillary_scale: 2.25,
+                capillary_scale: 1.5,
             },
             paper: Paper {
                 neighbours: 12,
