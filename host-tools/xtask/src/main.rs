@@ -9,6 +9,7 @@ mod wasm;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 /// Developer tasks of capsule-rom.
 #[derive(Parser)]
@@ -42,11 +43,18 @@ fn root() -> PathBuf {
     manifest.ancestors().nth(2).unwrap_or(manifest).to_path_buf()
 }
 
-fn main() -> Result<()> {
-    match Arguments::parse().task {
+fn main() -> ExitCode {
+    let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
         Task::Wasm => wasm::build(),
         Task::Explore(options) => explore::explore(&options),
         Task::Test(options) => test::test(&options),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
     }
 }
