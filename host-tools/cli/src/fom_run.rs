@@ -52,12 +52,16 @@ struct Run<'a> {
     steady: bool,
     steady_time: Option<f64>,
     volume_drift: f64,
+    /// The arrays by themselves, for programs that read columns of one object ...
+    #[serde(flatten)]
+    columns: History<'a>,
+    /// ... and together, for those that read a table.
     history: History<'a>,
     profile_midplane: Vec<[f64; 2]>,
     profile_diagonal: Vec<[f64; 2]>,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Copy, Serialize)]
 struct History<'a> {
     t: &'a [f64],
     centroid_velocity: &'a [f64],
@@ -113,6 +117,15 @@ fn summary<'a>(options: &Options, solver: &Solver, outcome: &'a Outcome) -> Run<
         Status::Steady { time } => Some(time),
         Status::Unsteady | Status::Stopped { .. } => None,
     };
+    let columns = History {
+        t: &history.t,
+        centroid_velocity: &history.centroid_velocity,
+        axial_length: &history.axial_length,
+        half_width: &history.half_width,
+        half_diagonal: &history.half_diagonal,
+        rear_depth: &history.rear_depth,
+        pressure_drop: &history.pressure_drop,
+    };
     Run {
         ca: options.ca,
         confinement: options.confinement,
@@ -126,15 +139,8 @@ fn summary<'a>(options: &Options, solver: &Solver, outcome: &'a Outcome) -> Run<
         steady: steady_time.is_some(),
         steady_time,
         volume_drift: outcome.volume_drift,
-        history: History {
-            t: &history.t,
-            centroid_velocity: &history.centroid_velocity,
-            axial_length: &history.axial_length,
-            half_width: &history.half_width,
-            half_diagonal: &history.half_diagonal,
-            rear_depth: &history.rear_depth,
-            pressure_drop: &history.pressure_drop,
-        },
+        columns,
+        history: columns,
         profile_midplane: outcome.profile_midplane.clone(),
         profile_diagonal: outcome.profile_diagonal.clone(),
     }

@@ -215,6 +215,7 @@ fn a_full_order_run_prints_its_history_and_writes_its_snapshots() {
         "pressure_drop",
     ] {
         assert_eq!(numbers(&run["history"][field]).len(), 3, "{field}");
+        assert_eq!(run["history"][field], run[field]);
     }
     for profile in ["profile_midplane", "profile_diagonal"] {
         let points: Vec<Vec<f64>> = run[profile].as_array().unwrap().iter().map(numbers).collect();
