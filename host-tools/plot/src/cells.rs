@@ -114,6 +114,8 @@ impl Cells {
             .configure_mesh()
             .disable_mesh()
             .disable_x_axis()
+            // The labels stand close to the bar; tick marks would run through them.
+            .set_all_tick_mark_size(0)
             .y_label_formatter(&|value| label(*value))
             .label_style((TEXT, 13))
             .draw()?;
