@@ -1,6 +1,6 @@
 //! Options that every full-order run shares.
 
-use capsule_fom::{Integrator, Settings};
+use capsule_fom::{Integrator, MembraneDiscretisation, Settings};
 use clap::{Args, ValueEnum};
 
 #[derive(Args)]
@@ -8,6 +8,15 @@ pub struct SolverOptions {
     /// Mesh frequency n: 8 n^2 elements, 16 n^2 + 2 nodes (8 for work, 13 the paper's size)
     #[arg(long, default_value_t = 8)]
     mesh: usize,
+    /// Discretisation of the membrane
+    #[arg(long, value_enum, default_value_t = Membrane::Harmonics)]
+    membrane: Membrane,
+    /// Greatest degree of the harmonics [default: three times the mesh frequency]
+    #[arg(long)]
+    degree: Option<usize>,
+    /// Bending stiffness of the membrane (harmonics), over G_s a^2
+    #[arg(long, default_value_t = 0.0)]
+    bending: f64,
     /// Time integrator
     #[arg(long, value_enum, default_value_t = Scheme::Rkc2)]
     integrator: Scheme,
@@ -29,6 +38,14 @@ pub struct SolverOptions {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
+enum Membrane {
+    /// Spherical harmonics: smooth, converges fast
+    Harmonics,
+    /// The paper's six-node elements
+    P2,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
 enum Scheme {
     /// Stabilised second-order Runge-Kutta-Chebyshev with error control
     Rkc2,
@@ -42,6 +59,13 @@ impl SolverOptions {
     pub fn settings(&self) -> Settings {
         let mut settings = Settings {
             mesh_frequency: self.mesh,
+            membrane: match self.membrane {
+                Membrane::Harmonics => MembraneDiscretisation::Harmonics {
+                    degree: self.degree,
+                    bending: self.bending,
+                },
+                Membrane::P2 => MembraneDiscretisation::QuadraticElements,
+            },
             integrator: match self.integrator {
                 Scheme::Rkc2 => Integrator::Rkc2 {
                     tolerance: self.tolerance,

@@ -5,6 +5,8 @@
 //! time in l/V, stress in mu V/l, tension in G_s.
 
 pub mod flow;
+pub mod harmonic_membrane;
+pub mod harmonics;
 pub mod initial;
 pub mod integrator;
 pub mod mass_matrix;
@@ -20,7 +22,7 @@ pub mod symmetry;
 pub mod system;
 
 pub use mesh::Mesh;
-pub use parameters::{Configuration, Integrator, Settings, SteadyCriteria};
+pub use parameters::{Configuration, Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
 pub use simulation::{History, Outcome, Progress, Solver, Status};
 pub use symmetry::Symmetry;
 
@@ -47,6 +49,15 @@ pub enum FomError {
     MeshFrequency {
         /// The frequency asked for.
         frequency: usize,
+    },
+    /// The harmonics are too many for the mesh.
+    #[error(
+        "harmonics of degree {degree} are too fine for the mesh: the degree must be at least 1 and about three times \
+         the mesh frequency at most"
+    )]
+    Degree {
+        /// The degree asked for.
+        degree: usize,
     },
     /// The snapshots are too many to keep.
     #[error(
@@ -107,11 +118,9 @@ pub enum FomError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluationError {
-    /// An element has lost its area.
-    #[error("element with nodes {element:?} has collapsed: its area is {area_ratio} times the undeformed one")]
+    /// The membrane has lost its area somewhere.
+    #[error("the membrane has collapsed: its area is {area_ratio} times the undeformed one at a point")]
     Collapsed {
-        /// The element's nodes.
-        element: [u32; 6],
         /// Deformed over undeformed area.
         area_ratio: f64,
     },

@@ -75,7 +75,7 @@ impl Membrane {
                 // The squared area ratio J_s^2; the reference lengths scale with the radius.
                 let ratio = determinant / (reference.determinant * radius.powi(4));
                 if !(ratio > LEAST_AREA_RATIO * LEAST_AREA_RATIO && ratio.is_finite()) {
-                    collapsed = Some((patch.elements[element], ratio));
+                    collapsed = Some(ratio);
                 }
                 // S^ab dA_ref: radius cancels in the first term and gives radius^2 in the second.
                 let [a11, a22, a12] = reference.contravariant;
@@ -97,8 +97,7 @@ impl Membrane {
             sum
         });
         match collapsed {
-            Some((element, ratio)) => Err(EvaluationError::Collapsed {
-                element,
+            Some(ratio) => Err(EvaluationError::Collapsed {
                 area_ratio: ratio.sqrt(),
             }),
             None => Ok(()),

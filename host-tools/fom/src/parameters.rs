@@ -33,6 +33,21 @@ pub enum Integrator {
     },
 }
 
+/// How the membrane is discretised.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MembraneDiscretisation {
+    /// Spherical harmonics on the reference sphere ([`crate::harmonic_membrane`]).
+    Harmonics {
+        /// Their greatest degree; by default three times the mesh frequency.
+        degree: Option<usize>,
+        /// Bending stiffness over `G_s a²`; 0 for a membrane proper.
+        bending: f64,
+    },
+    /// The paper's six-node elements ([`crate::membrane`]).
+    QuadraticElements,
+}
+
 /// When a shape counts as steady.
 ///
 /// A run is steady from the first snapshot after which, to its end, the residual (the greatest normal velocity in
@@ -52,11 +67,13 @@ pub struct SteadyCriteria {
 pub struct Settings {
     /// Mesh frequency `n`: 8 n² elements, 16 n² + 2 nodes.
     pub mesh_frequency: usize,
+    /// Discretisation of the membrane on this mesh.
+    pub membrane: MembraneDiscretisation,
     /// Time integrator.
     pub integrator: Integrator,
     /// Last instant (l/V).
     pub end_time: f64,
-    /// Time between snapshots (l/V).
+    /// Time between snapshots (l/V); near the start there are more.
     pub snapshot_interval: f64,
     /// Whether velocities are evaluated in an eighth of the channel and mirrored. If not, [`DuctSettings::symmetric`]
     /// is ignored: the walls are not reduced either.
@@ -70,6 +87,15 @@ pub struct Settings {
 impl Default for Integrator {
     fn default() -> Self {
         Self::Rkc2 { tolerance: 1e-5 }
+    }
+}
+
+impl Default for MembraneDiscretisation {
+    fn default() -> Self {
+        Self::Harmonics {
+            degree: None,
+            bending: 0.0,
+        }
     }
 }
 
@@ -87,6 +113,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             mesh_frequency: 8,
+            membrane: MembraneDiscretisation::default(),
             integrator: Integrator::default(),
             end_time: 20.0,
             snapshot_interval: 0.2,
@@ -128,6 +155,11 @@ impl Settings {
     /// [`FomError::NotPositive`] with the setting's name; [`FomError::TooManySnapshots`].
     pub fn validate(&self) -> Result<(), FomError> {
         self.integrator.validate()?;
+        if let MembraneDiscretisation::Harmonics { bending, .. } = self.membrane
+            && bending != 0.0
+        {
+            positive("bending stiffness", bending)?;
+        }
         positive("end time", self.end_time)?;
         positive("snapshot interval", self.snapshot_interval)?;
         snapshots(self.end_time, self.snapshot_interval)?;
@@ -135,6 +167,26 @@ impl Settings {
         positive("steady bound on the length rate", self.steady.length_rate)?;
         positive("final residual", self.steady.final_residual)
     }
+
+    /// The instants of the snapshots (l/V).
+    pub fn snapshot_times(&self) -> Vec<f64> {
+        snapshot_times(self.snapshot_interval, self.end_time)
+    }
+}
+
+/// Instants of additional snapshots (l/V): at low Ca the start is over long before the first regular one.
+const EARLY: [f64; 9] = [0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.3];
+
+/// The instants of the snapshots: multiples of `interval` from 0, the early ones, and `end_time`.
+fn snapshot_times(interval: f64, end_time: f64) -> Vec<f64> {
+    let regular = (0..).map(|i| f64::from(i) * interval);
+    let mut times: Vec<f64> = regular.take_while(|&t| t < end_time).collect();
+    times.extend(EARLY.iter().filter(|&&t| t < end_time));
+    times.push(end_time);
+    times.sort_by(f64::total_cmp);
+    // An instant that rounding doubles is kept once.
+    times.dedup_by(|next, last| *next - *last < 1e-6 * interval);
+    times
 }
 
 /// A positive, finite number or an error with its name.
@@ -161,6 +213,18 @@ pub(crate) fn snapshots(end_time: f64, interval: f64) -> Result<(), FomError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn snapshots_are_dense_at_the_start_and_regular_later() {
+        let times = Settings::default().snapshot_times();
+        assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+        assert_eq!((times[0], times.last()), (0.0, Some(&20.0)));
+        assert_eq!(times.len(), 101 + EARLY.len());
+        assert_eq!(
+            snapshot_times(0.3, 0.8),
+            [0.0, 0.005, 0.01, 0.02, 0.035, 0.05, 0.075, 0.1, 0.15, 0.3, 0.6, 0.8]
+        );
+    }
 
     #[test]
     fn bad_parameters_are_named() {

@@ -10,13 +10,15 @@ use crate::parameters::{positive, snapshots};
 use crate::simulation::stepper;
 use crate::surface::Moments;
 use crate::system::{Capsule, Discretisation};
-use crate::{FomError, Integrator};
+use crate::{FomError, Integrator, MembraneDiscretisation};
 
 /// The solver's settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Mesh frequency `n`: 8 n² elements.
     pub mesh_frequency: usize,
+    /// Discretisation of the membrane on this mesh.
+    pub membrane: MembraneDiscretisation,
     /// Time integrator.
     pub integrator: Integrator,
     /// Last instant.
@@ -29,6 +31,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             mesh_frequency: 8,
+            membrane: MembraneDiscretisation::default(),
             integrator: Integrator::default(),
             end_time: 4.0,
             interval: 0.1,
@@ -64,7 +67,7 @@ pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome,
     snapshots(settings.end_time, settings.interval)?;
     settings.integrator.validate()?;
     // The shear has not the symmetry of the square.
-    let discretisation = Discretisation::new(settings.mesh_frequency, false)?;
+    let discretisation = Discretisation::new(settings.mesh_frequency, false, settings.membrane)?;
     let flow = FreeSpace::new(Background::Shear { rate: 1.0 });
     let mut capsule = Capsule::new(&discretisation, &flow, capillary_number, 1.0);
     let failed = |time: f64, reason: String| FomError::Shear { time, reason };

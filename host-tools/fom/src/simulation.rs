@@ -114,7 +114,7 @@ impl Solver {
     /// [`FomError`] with the setting that is out of range.
     pub fn new(settings: Settings) -> Result<Self, FomError> {
         settings.validate()?;
-        let discretisation = Discretisation::new(settings.mesh_frequency, settings.symmetric)?;
+        let discretisation = Discretisation::new(settings.mesh_frequency, settings.symmetric, settings.membrane)?;
         let duct_settings = DuctSettings {
             symmetric: settings.symmetric,
             ..settings.duct.clone()
@@ -164,10 +164,9 @@ impl Solver {
         let mut record = Recorder::new(self, *configuration, capsule.volume());
         record.snapshot(&capsule, &state);
 
-        let (interval, end_time) = (self.settings.snapshot_interval, self.settings.end_time);
+        let end_time = self.settings.end_time;
         let mut stopped = None;
-        'run: for snapshot in 1.. {
-            let until = (f64::from(snapshot) * interval).min(end_time);
+        'run: for until in self.settings.snapshot_times().into_iter().skip(1) {
             while state.time < until {
                 match stepper.step(&mut |x, rate| capsule.rate(x, rate), &mut state, until) {
                     Ok(()) => {}
@@ -194,7 +193,7 @@ impl Solver {
                 }
             }
             record.snapshot(&capsule, &state);
-            if record.is_finished() || until >= end_time * (1.0 - 1e-12) {
+            if record.is_finished() {
                 break;
             }
         }
