@@ -1,8 +1,11 @@
 //! `capsule-rom`: the full-order solver, the offline stage, predictions and studies from the command line.
 
+mod fom_convergence;
+mod fom_integrators;
 mod fom_run;
 mod fom_shear;
 mod fom_sweep;
+mod fom_validate;
 mod interrupt;
 mod model;
 mod offline_build;
@@ -68,6 +71,12 @@ enum Fom {
     Sweep(fom_sweep::Options),
     /// A capsule in unbounded simple shear flow, to compare with the literature
     Shear(fom_shear::Options),
+    /// Compare the solver with exact and published results
+    Validate(fom_validate::Options),
+    /// The error of each numerical cause alone (slow)
+    Convergence(fom_convergence::Options),
+    /// Cost of the time integrators against their error
+    Integrators(fom_integrators::Options),
 }
 
 #[derive(Subcommand)]
@@ -89,6 +98,9 @@ fn main() -> ExitCode {
         Command::Fom(Fom::Run(options)) => fom_run::run(&options),
         Command::Fom(Fom::Sweep(options)) => fom_sweep::run(&options),
         Command::Fom(Fom::Shear(options)) => fom_shear::run(&options),
+        Command::Fom(Fom::Validate(options)) => fom_validate::run(&options),
+        Command::Fom(Fom::Convergence(options)) => fom_convergence::run(&options),
+        Command::Fom(Fom::Integrators(options)) => fom_integrators::run(&options),
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),

@@ -1,0 +1,155 @@
+//! How good the full-order model is: checks against exact and published results, the error of each numerical cause
+//! alone, and the cost of each time integrator.
+
+pub mod convergence;
+mod design;
+mod duct;
+mod elasticity;
+mod error;
+mod harmonic;
+pub mod integrators;
+mod outline;
+pub mod poiseuille;
+mod relaxation;
+mod shear;
+mod single_layer;
+mod vector;
+
+pub use error::ValidationError;
+pub use outline::Outline;
+
+use capsule_database::Database;
+use capsule_fom::MembraneDiscretisation;
+use serde::Serialize;
+
+/// What a computed quantity is compared with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Reference {
+    /// A value.
+    Value(f64),
+    /// The range of several sources.
+    Range([f64; 2]),
+}
+
+/// One quantity against its reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// What, with its unit or scaling.
+    pub quantity: String,
+    /// By this solver.
+    pub computed: f64,
+    /// By others.
+    pub reference: Reference,
+    /// Who, or how.
+    pub source: &'static str,
+    /// Computed less reference; from the nearer end of a range, 0 within.
+    pub difference: f64,
+    /// The greatest difference that passes.
+    pub tolerance: f64,
+    /// Whether it does.
+    pub passed: bool,
+}
+
+impl From<f64> for Reference {
+    fn from(value: f64) -> Self {
+        Self::Value(value)
+    }
+}
+
+impl From<[f64; 2]> for Reference {
+    fn from(range: [f64; 2]) -> Self {
+        Self::Range(range)
+    }
+}
+
+impl Check {
+    /// A check with an absolute tolerance. What is not a number does not pass.
+    pub fn new(
+        quantity: impl Into<String>,
+        computed: f64,
+        reference: impl Into<Reference>,
+        tolerance: f64,
+        source: &'static str,
+    ) -> Self {
+        let reference = reference.into();
+        let difference = match reference {
+            Reference::Value(value) => computed - value,
+            Reference::Range([low, high]) => (computed - low).min(0.0) + (computed - high).max(0.0),
+        };
+        Self {
+            quantity: quantity.into(),
+            computed,
+            reference,
+            source,
+            difference,
+            tolerance,
+            passed: computed.is_finite() && difference.abs() <= tolerance,
+        }
+    }
+
+    /// A check whose tolerance is a part of the reference.
+    pub fn relative(
+        quantity: impl Into<String>,
+        computed: f64,
+        reference: f64,
+        tolerance: f64,
+        source: &'static str,
+    ) -> Self {
+        Self::new(quantity, computed, reference, tolerance * reference.abs(), source)
+    }
+}
+
+/// Both discretisations of the membrane, by name.
+const MEMBRANES: [(&str, MembraneDiscretisation); 2] = [
+    (
+        "harmonics",
+        MembraneDiscretisation::Harmonics {
+            degree: None,
+            bending: 0.0,
+        },
+    ),
+    ("elements", MembraneDiscretisation::QuadraticElements),
+];
+
+/// Runs all checks: the flow, the membrane, both together in free space and in the duct, and the steady configurations
+/// of `database`. `progress` hears of each part before it starts: its name, how many are done, and of how many.
+///
+/// # Errors
+/// [`ValidationError`] when a part could not be computed at all.
+pub fn validate(database: &Database, progress: &dyn Fn(&str, usize, usize)) -> Result<Vec<Check>, ValidationError> {
+    type Part<'a> = (&'a str, &'a dyn Fn() -> Result<Vec<Check>, ValidationError>);
+    let parts: [Part; 8] = [
+        ("square duct", &|| Ok(poiseuille::checks())),
+        ("single layer", &single_layer::checks),
+        ("membrane", &elasticity::checks),
+        ("linear response", &relaxation::checks),
+        ("simple shear", &shear::checks),
+        ("stiff spheres in the duct", &duct::stiff_spheres),
+        ("steady capsule in the duct", &duct::steady_capsule),
+        ("steady configurations", &|| design::checks(database)),
+    ];
+    let mut checks = Vec::new();
+    for (done, (name, part)) in parts.iter().enumerate() {
+        progress(name, done, parts.len());
+        checks.extend(part()?);
+    }
+    Ok(checks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts() {
+        let check = |computed, reference: Reference| Check::new("", computed, reference, 0.1, "");
+        assert!(check(1.05, 1.0.into()).passed && !check(1.2, 1.0.into()).passed);
+        assert!(!check(f64::NAN, 1.0.into()).passed && !check(f64::NAN, [0.0, 1.0].into()).passed);
+        let low = check(0.8, [1.0, 2.0].into());
+        assert!(!low.passed && (low.difference + 0.2).abs() < 1e-15);
+        assert_eq!(check(1.5, [1.0, 2.0].into()).difference, 0.0);
+        assert!(check(2.05, [1.0, 2.0].into()).passed);
+        assert!(Check::relative("", -99.0, -100.0, 0.02, "").passed);
+    }
+}

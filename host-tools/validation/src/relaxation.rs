@@ -1,0 +1,74 @@
+//! How a slightly deformed sphere relaxes in fluid at rest.
+
+use capsule_fom::flow::{Background, FreeSpace};
+use capsule_fom::system::{Capsule, Discretisation};
+
+use crate::harmonic::Harmonic;
+use crate::vector::dot;
+use crate::{Check, MEMBRANES, ValidationError};
+
+const SOURCE: &str = "exact (linear theory)";
+const MESH: usize = 13;
+/// Degree and the two rates in `G_s / (mu a)`, viscosity ratio 1.
+const RATES: [(u32, [f64; 2]); 4] = [
+    (2, [0.248359, 2.208784]),
+    (3, [0.19868, 3.28704]),
+    (4, [0.15983, 4.33368]),
+    (8, [0.08729, 8.41178]),
+];
+
+/// The slow and the fast rate of the degrees 2, 3, 4 and 8, by both discretisations.
+pub fn checks() -> Result<Vec<Check>, ValidationError> {
+    let mut checks = Vec::new();
+    for (name, membrane) in MEMBRANES {
+        let discretisation = Discretisation::new(MESH, false, membrane)?;
+        for (degree, exact) in RATES {
+            let rates = relaxation_rates(&discretisation, Harmonic::oblique(degree))?;
+            for (speed, rate, exact) in [("slow", rates[0], exact[0]), ("fast", rates[1], exact[1])] {
+                let quantity = format!("{speed} rate of degree {degree}, {name}");
+                checks.push(Check::relative(quantity, rate, exact, 1e-3, SOURCE));
+            }
+        }
+    }
+    Ok(checks)
+}
+
+/// The negative eigenvalues of the linear response, by central differences and projection on the tangential and the
+/// radial field of the harmonic.
+fn relaxation_rates(discretisation: &Discretisation, harmonic: Harmonic) -> Result<[f64; 2], ValidationError> {
+    const STEP: f64 = 1e-4;
+    let flow = FreeSpace::new(Background::Rest);
+    let mut capsule = Capsule::new(discretisation, &flow, 1.0, 1.0);
+    let nodes = &discretisation.mesh.nodes;
+    let mut velocities = |field: &[[f64; 3]], step: f64| {
+        let moved: Vec<_> = nodes
+            .iter()
+            .zip(field)
+            .map(|(r, u)| [0, 1, 2].map(|d| r[d] + step * u[d]))
+            .collect();
+        let value = capsule.value(&moved);
+        let mut rate = vec![0.0; value.len()];
+        capsule.rate(&value, &mut rate)?;
+        Ok::<_, ValidationError>(capsule.fields(&value, &rate).velocities)
+    };
+    let product = |a: &[[f64; 3]], b: &[[f64; 3]]| a.iter().zip(b).map(|(a, b)| dot(*a, *b)).sum::<f64>();
+
+    let tangential: Vec<_> = nodes.iter().map(|&r| harmonic.at(r).1).collect();
+    let radial: Vec<_> = nodes.iter().map(|&r| r.map(|c| harmonic.at(r).0 * c)).collect();
+    // Normal equations of the projection: the two fields are orthogonal at every node.
+    let norms = [product(&tangential, &tangential), product(&radial, &radial)];
+    let mut response = [[0.0; 2]; 2];
+    for (column, field) in [&tangential, &radial].into_iter().enumerate() {
+        let (forth, back) = (velocities(field, STEP)?, velocities(field, -STEP)?);
+        let rate: Vec<_> = forth
+            .iter()
+            .zip(&back)
+            .map(|(f, b)| [0, 1, 2].map(|d| (f[d] - b[d]) / (2.0 * STEP)))
+            .collect();
+        response[0][column] = product(&tangential, &rate) / norms[0];
+        response[1][column] = product(&radial, &rate) / norms[1];
+    }
+    let [[a, b], [c, d]] = response;
+    let (mean, root) = (0.5 * (a + d), (0.25 * (a - d) * (a - d) + b * c).sqrt());
+    Ok([-(mean + root), -(mean - root)])
+}
