@@ -58,8 +58,9 @@ pub struct SteadyCriteria {
     pub normal_velocity: f64,
     /// Bound on the rate of the axial length (V).
     pub length_rate: f64,
-    /// A steady run goes on until its residual is below this (V), so that its end velocity is good.
-    pub final_residual: f64,
+    /// A steady run goes on until moving with its last velocity to the end time is wrong by less than this (a), as its
+    /// last velocities foretell.
+    pub translation: f64,
 }
 
 /// The solver's settings. The default is for production.
@@ -104,7 +105,7 @@ impl Default for SteadyCriteria {
         Self {
             normal_velocity: 1e-3,
             length_rate: 1e-3,
-            final_residual: 1e-4,
+            translation: 5e-5,
         }
     }
 }
@@ -165,7 +166,7 @@ impl Settings {
         snapshots(self.end_time, self.snapshot_interval)?;
         positive("steady bound on the normal velocity", self.steady.normal_velocity)?;
         positive("steady bound on the length rate", self.steady.length_rate)?;
-        positive("final residual", self.steady.final_residual)
+        positive("steady bound on the translation", self.steady.translation)
     }
 
     /// The instants of the snapshots (l/V).

@@ -219,13 +219,27 @@ pub(crate) fn stepper(integrator: &Integrator) -> Box<dyn Stepper<EvaluationErro
     }
 }
 
+/// How far a velocity, known at equal intervals, still is from its end: its differences fall off geometrically.
+fn velocity_to_come(history: &[f64]) -> f64 {
+    /// The slowest decay that three values can tell from none.
+    const SLOWEST: f64 = 0.99;
+    let [.., a, b, c] = history else { return f64::INFINITY };
+    let (before, last) = ((b - a).abs(), (c - b).abs());
+    let ratio = if last < SLOWEST * before {
+        last / before
+    } else {
+        SLOWEST
+    };
+    last * ratio / (1.0 - ratio)
+}
+
 /// Collects snapshots and watches for the steady state.
 struct Recorder<'a> {
     outlines: &'a Outlines,
     criteria: SteadyCriteria,
     initial_volume: f64,
+    end_time: f64,
     steady_since: Option<f64>,
-    residual: f64,
     outcome: Outcome,
 }
 
@@ -235,8 +249,8 @@ impl<'a> Recorder<'a> {
             outlines: &solver.outlines,
             criteria: solver.settings.steady,
             initial_volume,
+            end_time: solver.settings.end_time,
             steady_since: None,
-            residual: f64::INFINITY,
             outcome: Outcome {
                 configuration,
                 status: Status::Unsteady,
@@ -258,9 +272,9 @@ impl<'a> Recorder<'a> {
 
     fn snapshot(&mut self, capsule: &Capsule, state: &State) {
         let fields = capsule.fields(&state.value, &state.rate);
-        self.residual = capsule.residual(&state.rate);
+        let residual = capsule.residual(&state.rate);
         let length_rate = self.outlines.axial_length_rate(&fields.positions, &fields.velocities);
-        let steady = self.residual < self.criteria.normal_velocity && length_rate.abs() < self.criteria.length_rate;
+        let steady = residual < self.criteria.normal_velocity && length_rate.abs() < self.criteria.length_rate;
         self.steady_since = if steady {
             self.steady_since.or(Some(state.time))
         } else {
@@ -294,7 +308,9 @@ impl<'a> Recorder<'a> {
     }
 
     fn is_finished(&self) -> bool {
-        self.steady_since.is_some() && self.residual < self.criteria.final_residual
+        let left = self.end_time - self.outcome.times.last().copied().unwrap_or_default();
+        let translation = left * velocity_to_come(&self.outcome.history.centroid_velocity);
+        self.steady_since.is_some() && translation < self.criteria.translation * self.outcome.configuration.confinement
     }
 
     fn finish(mut self) -> Outcome {
@@ -307,5 +323,19 @@ impl<'a> Recorder<'a> {
             self.outcome.profile_diagonal = centred(self.outlines.profile_diagonal(positions));
         }
         self.outcome
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_velocity_to_come_is_that_of_a_geometric_decay() {
+        let history: Vec<f64> = (0..4).map(|i| 1.3 - 0.01 * 0.85_f64.powi(i)).collect();
+        assert!((velocity_to_come(&history) - 0.01 * 0.85_f64.powi(3)).abs() < 1e-12);
+        // Two values say nothing; growing differences are taken as hardly decaying ones.
+        assert_eq!(velocity_to_come(&history[..2]), f64::INFINITY);
+        assert!(velocity_to_come(&[1.0, 1.1, 1.3]) > 10.0);
     }
 }
