@@ -266,6 +266,11 @@ pub enum EvaluateError {
         /// Number of nodes.
         nodes: usize,
     },
+    /// The nodes near one do not determine derivatives there: the mesh is too coarse.
+    FewNodes {
+        /// Its index.
+        node: usize,
+    },
     /// The model has no node set of that name.
     UnknownNodeSet,
     /// The caller's buffer is too short.
@@ -326,6 +331,10 @@ impl Display for EvaluateError {
             ),
             Self::NotPrepared => write!(f, "an instant was asked for before a query was prepared"),
             Self::UnknownNode { node, nodes } => write!(f, "node {node} does not exist: the mesh has {nodes} nodes"),
+            Self::FewNodes { node } => write!(
+                f,
+                "the nodes around node {node} do not determine derivatives: the mesh is too coarse"
+            ),
             Self::UnknownNodeSet => write!(f, "the model has no node set of that name"),
             Self::BufferTooShort { required, found } => {
                 write!(f, "the buffer holds {found} entries, {required} are needed")

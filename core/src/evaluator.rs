@@ -4,11 +4,13 @@ use crate::error::EvaluateError;
 use crate::expected_error::expected_error;
 use crate::interpolate::{RIDGE_ROWS, Weights};
 use crate::linalg::{part, part_mut};
+use crate::mechanics::Membrane;
 use crate::model::wire::Cluster;
 use crate::model::{MatrixView, Model};
 use crate::motion::Motion;
-use crate::observables::{Extremes, Observables, axial_radial, volume};
+use crate::observables::{Extremes, Observables, axial_radial};
 use crate::reconstruct::{Snapshot, room};
+use crate::surface::volume;
 use crate::workspace::{Coefficients, Prepared, Workspace};
 use crate::{Domain, Frame, Method, Query, Real, Scene};
 
@@ -230,7 +232,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// # Errors
     /// [`EvaluateError::NotFinite`].
     pub fn volume(&mut self) -> Result<T, EvaluateError> {
-        volume(&self.shape(Frame::Centroid))
+        let shape = self.shape(Frame::Centroid);
+        volume(&shape.mesh, |node| shape.node(node))
     }
 
     /// Positions of the scene's nodes, in l, into the first entries of `out`. Returns how many there are.
@@ -278,6 +281,23 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             *out = axial_radial(shape.node(node)?);
         }
         Ok(out.len())
+    }
+
+    /// The membrane, for its mechanics: reconstructs the sector's nodes into the first entries of `sector`, in the
+    /// centroid's frame.
+    ///
+    /// # Errors
+    /// [`EvaluateError::BufferTooShort`]; [`EvaluateError::NotFinite`].
+    pub fn membrane<'s>(&mut self, sector: &'s mut [[T; 3]]) -> Result<Membrane<'a, 's, T>, EvaluateError> {
+        let mesh = self.model.mesh();
+        let sector = room(sector, mesh.sector_nodes().len())?;
+        self.shape(Frame::Centroid).fill_sector(sector)?;
+        Ok(Membrane::new(
+            mesh,
+            sector,
+            self.query.confinement,
+            self.query.capillary_number,
+        ))
     }
 
     /// Expected modified Hausdorff distance to the truth in the laboratory frame, as a fraction of a.

@@ -33,6 +33,7 @@ mod expected_error;
 pub mod interpolate;
 mod linalg;
 mod manifold;
+pub mod mechanics;
 pub mod model;
 mod motion;
 mod observables;
@@ -41,6 +42,7 @@ mod real;
 mod reconstruct;
 mod scene;
 mod section;
+mod surface;
 mod workspace;
 
 pub use error::{EncodeError, EvaluateError, OpenError};

@@ -3,7 +3,7 @@
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::model::Model;
-use crate::model::{DIAGONAL, MIDPLANE, Mesh};
+use crate::model::{DIAGONAL, MIDPLANE};
 use crate::reconstruct::Snapshot;
 
 /// Scalars of an instant, lengths in l, velocity in V; the lengths from the two section outlines. Extremes are those
@@ -124,90 +124,6 @@ impl<T: Real> Greatest<T> {
     }
 }
 
-/// Points (three barycentric weights each) and weight of the quadrature of degree 4 with six points (Dunavant, 1985),
-/// for the unit triangle of area 1/2.
-const QUADRATURE: [(f64, f64); 2] = [
-    (0.445_948_490_915_965, 0.111_690_794_839_005_5),
-    (0.091_576_213_509_771, 0.054_975_871_827_661),
-];
-
-/// Volume within a closed P2 surface, exactly: the integral of x n_x, of degree 4 on each element. Where the mesh is
-/// symmetric to y = 0 and z = 0, a quarter of it is enough.
-pub(crate) fn volume<T: Real>(snapshot: &Snapshot<'_, '_, T>) -> Result<T, EvaluateError> {
-    let mesh = &snapshot.mesh;
-    let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
-    let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()
-        && (0..mesh.nodes()).all(|node| mirrored_from_quarter(mesh, node));
-    let mut volume = T::ZERO;
-    for element in mesh.elements().filter(|element| !symmetric || quarter(element)) {
-        let mut nodes = [[T::ZERO; 3]; 6];
-        for (node, index) in nodes.iter_mut().zip(element) {
-            *node = snapshot.node(index.into())?;
-        }
-        volume += element_volume(&nodes);
-    }
-    let volume = if symmetric { T::from_f32(4.0) * volume } else { volume };
-    if volume.is_finite() {
-        Ok(volume)
-    } else {
-        Err(EvaluateError::NotFinite)
-    }
-}
-
-/// Whether a node's reference position has y >= 0 and z >= 0.
-fn in_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
-    const ON_PLANE: f32 = 1e-6;
-    mesh.reference(node)
-        .is_some_and(|[_, y, z]| y >= -ON_PLANE && z >= -ON_PLANE)
-}
-
-/// Whether a node that is not in the quarter takes its value from a node that is.
-fn mirrored_from_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
-    let sector_node = mesh.origin(node).and_then(|(index, _)| mesh.sector_nodes().get(index));
-    in_quarter(mesh, node) || sector_node.is_some_and(|sector_node| in_quarter(mesh, sector_node))
-}
-
-/// Integral of x n_x over a P2 triangle.
-fn element_volume<T: Real>(nodes: &[[T; 3]; 6]) -> T {
-    let [one, two, four] = [T::ONE, T::from_f32(2.0), T::from_f32(4.0)];
-    let mut sum = T::ZERO;
-    for (a, weight) in QUADRATURE {
-        let (a, b) = (T::from_f64(a), T::from_f64(1.0 - 2.0 * a));
-        for l in [[b, a, a], [a, b, a], [a, a, b]] {
-            let [l0, l1, l2] = l;
-            let shape = [
-                l0 * (two * l0 - one),
-                l1 * (two * l1 - one),
-                l2 * (two * l2 - one),
-                four * l0 * l1,
-                four * l1 * l2,
-                four * l2 * l0,
-            ];
-            // Derivatives by l1 and l2, with l0 = 1 - l1 - l2.
-            let by_l1 = [
-                one - four * l0,
-                four * l1 - one,
-                T::ZERO,
-                four * (l0 - l1),
-                four * l2,
-                -four * l2,
-            ];
-            let by_l2 = [
-                one - four * l0,
-                T::ZERO,
-                four * l2 - one,
-                -four * l1,
-                four * l1,
-                four * (l0 - l2),
-            ];
-            let at = |weights: &[T; 6], axis: usize| (0..6).map(|i| weights[i] * nodes[i][axis]).sum::<T>();
-            let normal_x = at(&by_l1, 1) * at(&by_l2, 2) - at(&by_l1, 2) * at(&by_l2, 1);
-            sum += T::from_f64(weight) * at(&shape, 0) * normal_x;
-        }
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,23 +139,5 @@ mod tests {
         assert!((vertex(&[0.0, 1.0, 2.0, 3.0].map(parabola)) - 3.0).abs() < 1e-15);
         assert_eq!(vertex(&[5.0, 4.0, 1.0]), 5.0);
         assert_eq!(vertex(&[1.0, 4.0, 5.0]), 5.0);
-    }
-
-    #[test]
-    fn volume_of_curved_elements() {
-        // A flat triangle and the same one bulging: x of the mid-edges raised.
-        let flat = [
-            [2.0, 0.0, 0.0],
-            [2.0, 1.0, 0.0],
-            [2.0, 0.0, 1.0],
-            [2.0, 0.5, 0.0],
-            [2.0, 0.5, 0.5],
-            [2.0, 0.0, 0.5],
-        ];
-        assert!((element_volume::<f64>(&flat) - 1.0).abs() < 1e-14);
-        let mut bulging = flat;
-        bulging[4][0] = 2.3;
-        // The mid-edge shape function has the integral 1/6 over the unit triangle.
-        assert!((element_volume::<f64>(&bulging) - (1.0 + 0.3 / 6.0)).abs() < 1e-14);
     }
 }

@@ -62,6 +62,17 @@ impl<T: Real> Snapshot<'_, '_, T> {
         Ok(out.len())
     }
 
+    /// The vectors of the sector's nodes, as many as `out` holds.
+    ///
+    /// # Errors
+    /// A result that is not finite.
+    pub(crate) fn fill_sector(&self, out: &mut [[T; 3]]) -> Result<(), EvaluateError> {
+        for (index, out) in out.iter_mut().enumerate() {
+            *out = finite(self.sector_node(index))?;
+        }
+        Ok(())
+    }
+
     /// Computes every sector node once, in its place of the full mesh, and mirrors it from there.
     fn fill_all(&self, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         let sector = self.mesh.sector_nodes();

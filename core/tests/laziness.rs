@@ -2,6 +2,7 @@
 
 mod common;
 
+use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace};
 use common::{FUNCTIONS, Family, SHAPE_MODES};
 use std::cell::Cell;
@@ -148,6 +149,20 @@ fn a_scene_pays_for_itself_alone() {
     // A quarter of the elements, each node where it is needed.
     let volume = reads(|| instant.volume().unwrap());
     assert!(volume < family.sphere.elements.len() / 4 * (6 * NODE + 200), "{volume}");
+
+    // The membrane: the sector's nodes, and from then on nothing but what a deformation needs, which is not stored.
+    let stencil = Stencil::at(&model.mesh(), 5).unwrap();
+    let mut positions = vec![[Counted::ZERO; 3]; sector];
+    let mut membrane = None;
+    assert_eq!(
+        reads(|| membrane = Some(instant.membrane(&mut positions).unwrap())),
+        sector * NODE
+    );
+    let membrane = membrane.unwrap();
+    let mut deformation = Deformation::ZERO;
+    assert!(reads(|| deformation = membrane.deformation(&stencil).unwrap()) <= 1);
+    assert!(reads(|| deformation.stretches()) <= 1);
+    assert!(reads(|| deformation.load(Counted(0.05))) <= 7);
 
     // The next frame of the same interval between stored instants.
     let mut instant = evaluator.at(Counted(1.24)).unwrap();

@@ -2,7 +2,7 @@
 
 mod diffuse;
 mod kernel;
-mod neighbours;
+pub(crate) mod neighbours;
 
 use crate::Real;
 use crate::error::EvaluateError;

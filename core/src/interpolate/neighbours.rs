@@ -1,4 +1,4 @@
-//! The samples nearest to a query.
+//! The samples nearest to a query, or the nodes nearest to a node.
 
 use super::norm;
 use crate::Real;
@@ -6,18 +6,18 @@ use crate::model::MOST_SAMPLES;
 
 /// A sample near the query.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Neighbour<T> {
+pub(crate) struct Neighbour<T> {
     /// Number of the sample.
-    pub(super) sample: usize,
+    pub(crate) sample: usize,
     /// Its place minus the query's, in the interpolation's coordinates.
-    pub(super) offset: [T; 2],
+    pub(crate) offset: [T; 2],
     /// Length of the offset.
-    pub(super) distance: T,
+    pub(crate) distance: T,
 }
 
 /// The nearest samples in order of distance (at equal distance, of their number), as many as `out` holds; returns how
 /// many there are.
-pub(super) fn nearest<T: Real>(
+pub(crate) fn nearest<T: Real>(
     offsets: impl Iterator<Item = [T; 2]>,
     left_out: Option<usize>,
     out: &mut [Neighbour<T>],
@@ -28,6 +28,10 @@ pub(super) fn nearest<T: Real>(
             continue;
         }
         let distance = norm(offset);
+        // Most are farther than all that are kept.
+        if count == out.len() && out.last().is_some_and(|last| last.distance <= distance) {
+            continue;
+        }
         let place = out
             .iter()
             .take(count)
@@ -49,7 +53,7 @@ pub(super) fn nearest<T: Real>(
 
 impl<T: Real> Neighbour<T> {
     /// A place holder.
-    pub(super) const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         sample: 0,
         offset: [T::ZERO; 2],
         distance: T::ZERO,

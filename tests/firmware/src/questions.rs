@@ -1,5 +1,6 @@
 //! Questions whose answers the firmware and the host must agree on, bit for bit.
 
+use capsule_core::mechanics::Stencil;
 use capsule_core::{EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace};
 
 /// Ca, a/l.
@@ -50,6 +51,23 @@ pub fn answer(
     points.as_flattened().iter().copied().for_each(&mut *emit);
     let mut outline = [[0.0; 2]; 128];
     let count = instant.outline(MIDPLANE, Frame::Laboratory, &mut outline)?;
-    outline.iter().take(count).flatten().copied().for_each(emit);
+    outline.iter().take(count).flatten().copied().for_each(&mut *emit);
+    let mut sector = [[0.0; 3]; 512];
+    let membrane = instant.membrane(&mut sector)?;
+    for total in [membrane.area()?, membrane.energy()?, membrane.pressure_drop()?] {
+        emit(total);
+    }
+    let deformation = membrane.deformation(&Stencil::at(&model.mesh(), 31)?)?;
+    let pairs = [deformation.stretches(), deformation.tensions()];
+    pairs.as_flattened().iter().copied().for_each(&mut *emit);
+    deformation
+        .directions()
+        .as_flattened()
+        .iter()
+        .copied()
+        .for_each(&mut *emit);
+    emit(deformation.area_dilation());
+    emit(deformation.energy_density());
+    deformation.load(capillary_number).into_iter().for_each(emit);
     Ok(())
 }

@@ -1,0 +1,34 @@
+//! Mechanics of the membrane on request: stretches, tensions, load, energy, from the nodes of the surface alone.
+//!
+//! The stress-free capsule is a sphere, so the current position is a smooth function on it. A [`Stencil`] holds the
+//! weights of its first two derivatives at a node; it depends on the mesh only, so that it serves every instant and
+//! query. A [`Membrane`] is the surface at an instant; it gives the [`Deformation`] at a stencil's node, from which all
+//! local quantities follow, and the totals.
+
+mod deformation;
+mod membrane;
+mod poiseuille;
+mod stencil;
+
+pub use deformation::Deformation;
+pub use membrane::Membrane;
+pub use stencil::Stencil;
+
+use crate::Real;
+use crate::linalg::dot;
+
+/// a + factor b.
+fn plus<T: Real>(a: [T; 3], factor: T, b: [T; 3]) -> [T; 3] {
+    core::array::from_fn(|axis| a[axis] + factor * b[axis])
+}
+
+/// The metric of two tangents: their products 11, 22, 12.
+fn metric<T: Real>(tangents: &[[T; 3]; 2]) -> [T; 3] {
+    let [a, b] = tangents;
+    [dot(a, a), dot(b, b), dot(a, b)]
+}
+
+/// The determinant of a metric.
+fn determinant<T: Real>([m11, m22, m12]: [T; 3]) -> T {
+    m11 * m22 - m12 * m12
+}

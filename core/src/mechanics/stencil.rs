@@ -1,0 +1,228 @@
+//! Derivatives on the stress-free sphere from the nodes around one.
+
+use super::{Deformation, plus};
+use crate::Real;
+use crate::error::EvaluateError;
+use crate::interpolate::neighbours::{Neighbour, nearest};
+use crate::linalg::{add_scaled, dot};
+use crate::model::Mesh;
+
+/// Nodes that take part, beside the stencil's own.
+const NEIGHBOURS: usize = 24;
+/// Monomials of degree 1 to 4 in two coordinates.
+const MONOMIALS: usize = 14;
+/// The last of them, whose coefficients are wanted: u, v, u^2/2, u v, v^2/2.
+const DERIVATIVES: usize = 5;
+/// A monomial whose part outside those before it is less than this share of its length is not determined.
+const DEPENDENT: f32 = 1e-3;
+
+/// Weights of the first and second derivatives at a node, by the polynomial of degree four that fits the nearest nodes
+/// best. Third-order accurate in the second derivatives at least, whatever the mesh, where the derivatives of the
+/// elements' quadratics oscillate from node to node.
+///
+/// The coordinates are those of the stereographic projection from the opposite point of the sphere: at the node their
+/// metric is that of the plane, and stationary.
+#[derive(Clone, Debug)]
+pub struct Stencil<T> {
+    node: u32,
+    neighbours: [u32; NEIGHBOURS],
+    weights: [[T; NEIGHBOURS]; DERIVATIVES],
+}
+
+impl<T: Real> Stencil<T> {
+    /// The stencil at a node of a model's mesh.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn at(mesh: &Mesh<'_>, node: usize) -> Result<Self, EvaluateError> {
+        let mesh = *mesh;
+        let nodes = (0..mesh.nodes()).map(move |node| mesh.reference(node).unwrap_or_default().map(T::from_f32));
+        Self::new(nodes, node)
+    }
+
+    /// The stencil at one of `nodes` on the unit sphere.
+    ///
+    /// # Errors
+    /// [`EvaluateError::UnknownNode`]; [`EvaluateError::FewNodes`] where the nodes nearby do not determine the
+    /// derivatives.
+    pub fn new(nodes: impl Iterator<Item = [T; 3]> + Clone, node: usize) -> Result<Self, EvaluateError> {
+        let unknown = || EvaluateError::UnknownNode {
+            node,
+            nodes: nodes.clone().count(),
+        };
+        let centre = nodes.clone().nth(node).ok_or_else(unknown)?;
+        let axes = tangents(centre);
+        let mut nearby = [Neighbour::NONE; NEIGHBOURS + 1];
+        let found = nearest(
+            nodes.map(|point| projection(centre, &axes, point)),
+            Some(node),
+            &mut nearby,
+        );
+        let few = EvaluateError::FewNodes { node };
+        // The last has no weight: it only says how far the stencil reaches.
+        let Some((nearby, [last])) = nearby.split_first_chunk::<NEIGHBOURS>() else {
+            return Err(few);
+        };
+        let radius = last.distance;
+        if found <= NEIGHBOURS || radius >= T::from_f32(FAR) {
+            return Err(few);
+        }
+        let scaled = nearby.each_ref().map(|neighbour| neighbour.offset.map(|x| x / radius));
+        let factors = scaled.map(|offset| T::ONE - dot(&offset, &offset));
+        let mut columns = monomials(&scaled);
+        for column in &mut columns {
+            for (value, factor) in column.iter_mut().zip(&factors) {
+                *value *= *factor;
+            }
+        }
+        let mut weights = solve(&mut columns).ok_or(few)?;
+        for (derivative, weights) in weights.iter_mut().enumerate() {
+            let scale = if derivative < 2 { radius } else { radius * radius };
+            for (weight, factor) in weights.iter_mut().zip(&factors) {
+                *weight = *weight * *factor / scale;
+            }
+        }
+        Ok(Self {
+            node: node as u32,
+            neighbours: nearby.each_ref().map(|neighbour| neighbour.sample as u32),
+            weights,
+        })
+    }
+
+    /// The node's index.
+    pub fn node(&self) -> usize {
+        self.node as usize
+    }
+
+    /// The deformation of a sphere of `radius` whose nodes are now at `position`.
+    ///
+    /// # Errors
+    /// Those of `position`; [`EvaluateError::NotFinite`], also where the surface has no area.
+    pub fn deformation(
+        &self,
+        radius: T,
+        position: impl Fn(usize) -> Result<[T; 3], EvaluateError>,
+    ) -> Result<Deformation<T>, EvaluateError> {
+        let centre = position(self.node())?;
+        let mut sums = [[T::ZERO; 3]; DERIVATIVES];
+        for (j, neighbour) in self.neighbours.iter().enumerate() {
+            let offset = plus(position(*neighbour as usize)?, -T::ONE, centre);
+            for (sum, weights) in sums.iter_mut().zip(&self.weights) {
+                *sum = plus(*sum, weights[j], offset);
+            }
+        }
+        let square = radius * radius;
+        let [x1, x2, x11, x12, x22] = sums;
+        let deformation = Deformation {
+            first: [x1, x2].map(|vector| vector.map(|x| x / radius)),
+            second: [x11, x12, x22].map(|vector| vector.map(|x| x / square)),
+        };
+        let finite = deformation.second.as_flattened().iter().all(|x| x.is_finite());
+        if finite && deformation.area_dilation() > T::from_f32(LEAST_AREA_DILATION) {
+            Ok(deformation)
+        } else {
+            Err(EvaluateError::NotFinite)
+        }
+    }
+}
+
+/// Below it there is no surface, and its square's square could vanish in single precision.
+const LEAST_AREA_DILATION: f32 = 1e-3;
+
+/// Distance in the projection that no node of the near half of the sphere has.
+const FAR: f32 = 4.0;
+
+/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; those of the far half
+/// are out of reach.
+fn projection<T: Real>(centre: [T; 3], axes: &[[T; 3]; 2], point: [T; 3]) -> [T; 2] {
+    let chord = plus(point, -T::ONE, centre);
+    let square = dot(&chord, &chord);
+    if square < T::from_f32(2.0) {
+        let scale = T::ONE / (T::ONE - square * T::from_f32(0.25));
+        [0, 1].map(|axis| scale * dot(&chord, &axes[axis]))
+    } else {
+        [T::from_f32(FAR), T::ZERO]
+    }
+}
+
+/// Two orthogonal unit vectors across a unit vector, right-handed with it.
+fn tangents<T: Real>(normal: [T; 3]) -> [[T; 3]; 2] {
+    let [x, y, z] = normal;
+    // Along the coordinate axis that is farthest from the normal.
+    let axis = if x.abs() <= y.abs() && x.abs() <= z.abs() {
+        [T::ONE, T::ZERO, T::ZERO]
+    } else if y.abs() <= z.abs() {
+        [T::ZERO, T::ONE, T::ZERO]
+    } else {
+        [T::ZERO, T::ZERO, T::ONE]
+    };
+    let first = plus(axis, -dot(&axis, &normal), normal);
+    let length = dot(&first, &first).sqrt();
+    let [a, b, c] = first.map(|component| component / length);
+    [[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a]]
+}
+
+/// The monomials at the neighbours, one column each, the wanted ones last.
+fn monomials<T: Real>(offsets: &[[T; 2]; NEIGHBOURS]) -> [[T; NEIGHBOURS]; MONOMIALS] {
+    let half = T::from_f32(0.5);
+    let mut columns = [[T::ZERO; NEIGHBOURS]; MONOMIALS];
+    for (j, &[u, v]) in offsets.iter().enumerate() {
+        let (uu, uv, vv) = (u * u, u * v, v * v);
+        let row = [
+            uu * u,
+            uu * v,
+            u * vv,
+            v * vv,
+            uu * uu,
+            uu * uv,
+            uu * vv,
+            uv * vv,
+            vv * vv,
+            u,
+            v,
+            half * uu,
+            uv,
+            half * vv,
+        ];
+        for (column, value) in columns.iter_mut().zip(row) {
+            column[j] = value;
+        }
+    }
+    columns
+}
+
+/// The weights that give the least-squares coefficients of the last columns: by modified Gram-Schmidt, in place, the
+/// columns become orthonormal, and those coefficients need the last block of the triangular factor only.
+fn solve<T: Real>(columns: &mut [[T; NEIGHBOURS]; MONOMIALS]) -> Option<[[T; NEIGHBOURS]; DERIVATIVES]> {
+    let mut triangle = [[T::ZERO; MONOMIALS]; MONOMIALS];
+    for k in 0..MONOMIALS {
+        let (before, rest) = columns.split_at_mut_checked(k)?;
+        let column = rest.first_mut()?;
+        let length = dot(column, column).sqrt();
+        for (earlier, row) in before.iter().zip(&mut triangle) {
+            let share = dot(earlier, column);
+            add_scaled(column, -share, earlier);
+            row[k] = share;
+        }
+        let norm = dot(column, column).sqrt();
+        // Not the other way round: a NaN is not more either.
+        let determined = norm > length * T::from_f32(DEPENDENT);
+        if !determined {
+            return None;
+        }
+        *column = column.map(|value| value / norm);
+        triangle[k][k] = norm;
+    }
+    // Back substitution for the last coefficients.
+    let mut weights = [[T::ZERO; NEIGHBOURS]; DERIVATIVES];
+    let wanted = MONOMIALS - DERIVATIVES;
+    for k in (0..DERIVATIVES).rev() {
+        let row = triangle[wanted + k];
+        let mut solution = columns[wanted + k];
+        for (factor, known) in row.iter().skip(wanted).zip(&weights).skip(k + 1) {
+            add_scaled(&mut solution, -*factor, known);
+        }
+        weights[k] = solution.map(|value| value / row[wanted + k]);
+    }
+    Some(weights)
+}

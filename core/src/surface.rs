@@ -1,0 +1,177 @@
+//! Integrals over the six-node elements of the surface.
+
+use crate::Real;
+use crate::error::EvaluateError;
+use crate::model::Mesh;
+
+/// Points (three barycentric weights each) and weight of the quadrature of degree 4 with six points (Dunavant, 1985),
+/// for the unit triangle of area 1/2.
+const QUADRATURE: [(f64, f64); 2] = [
+    (0.445_948_490_915_965, 0.111_690_794_839_005_5),
+    (0.091_576_213_509_771, 0.054_975_871_827_661),
+];
+
+/// A quadrature point of an element.
+pub(crate) struct Point<T> {
+    pub(crate) weight: T,
+    /// The shape functions of the six nodes.
+    pub(crate) shape: [T; 6],
+    /// Their derivatives by the barycentric coordinates l1 and l2, with l0 = 1 - l1 - l2.
+    pub(crate) gradient: [[T; 6]; 2],
+}
+
+impl<T: Real> Point<T> {
+    fn new(weight: f64, [l0, l1, l2]: [T; 3]) -> Self {
+        let [one, two, four] = [T::ONE, T::from_f32(2.0), T::from_f32(4.0)];
+        Self {
+            weight: T::from_f64(weight),
+            shape: [
+                l0 * (two * l0 - one),
+                l1 * (two * l1 - one),
+                l2 * (two * l2 - one),
+                four * l0 * l1,
+                four * l1 * l2,
+                four * l2 * l0,
+            ],
+            gradient: [
+                [
+                    one - four * l0,
+                    four * l1 - one,
+                    T::ZERO,
+                    four * (l0 - l1),
+                    four * l2,
+                    -four * l2,
+                ],
+                [
+                    one - four * l0,
+                    T::ZERO,
+                    four * l2 - one,
+                    -four * l1,
+                    four * l1,
+                    four * (l0 - l2),
+                ],
+            ],
+        }
+    }
+
+    /// All points of an element.
+    fn all() -> [Self; 6] {
+        let [(a, first), (b, second)] = QUADRATURE;
+        let point = |a: f64, weight: f64, place: usize| {
+            let mut weights = [T::from_f64(a); 3];
+            if let Some(weight) = weights.get_mut(place) {
+                *weight = T::from_f64(1.0 - 2.0 * a);
+            }
+            Self::new(weight, weights)
+        };
+        [
+            point(a, first, 0),
+            point(a, first, 1),
+            point(a, first, 2),
+            point(b, second, 0),
+            point(b, second, 1),
+            point(b, second, 2),
+        ]
+    }
+
+    /// The two tangents of the element with these nodes.
+    pub(crate) fn tangents(&self, nodes: &[[T; 3]; 6]) -> [[T; 3]; 2] {
+        self.gradient
+            .each_ref()
+            .map(|gradient| core::array::from_fn(|axis| combine(gradient, |i| nodes[i][axis])))
+    }
+}
+
+/// sum_i weights_i values_i.
+pub(crate) fn combine<T: Real>(weights: &[T; 6], value: impl Fn(usize) -> T) -> T {
+    (0..6).map(|i| weights[i] * value(i)).sum()
+}
+
+/// Sum over the elements and their quadrature points of `weight * integrand`, given what `node` knows of the
+/// element's six. Where the mesh is symmetric to y = 0 and z = 0, a quarter of it is enough.
+///
+/// # Errors
+/// Those of `node`; a sum that is not finite.
+pub(crate) fn integrate<T: Real, V>(
+    mesh: &Mesh<'_>,
+    node: impl Fn(usize) -> Result<V, EvaluateError>,
+    integrand: impl Fn(&Point<T>, &[V; 6]) -> T,
+) -> Result<T, EvaluateError> {
+    let points = Point::all();
+    let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
+    let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()
+        && (0..mesh.nodes()).all(|node| mirrored_from_quarter(mesh, node));
+    let mut sum = T::ZERO;
+    for element in mesh.elements().filter(|element| !symmetric || quarter(element)) {
+        let [a, b, c, d, e, f] = element.map(|index| node(index.into()));
+        let nodes = [a?, b?, c?, d?, e?, f?];
+        sum += points
+            .iter()
+            .map(|point| point.weight * integrand(point, &nodes))
+            .sum::<T>();
+    }
+    let sum = if symmetric { T::from_f32(4.0) * sum } else { sum };
+    if sum.is_finite() {
+        Ok(sum)
+    } else {
+        Err(EvaluateError::NotFinite)
+    }
+}
+
+/// Whether a node's reference position has y >= 0 and z >= 0.
+fn in_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
+    const ON_PLANE: f32 = 1e-6;
+    mesh.reference(node)
+        .is_some_and(|[_, y, z]| y >= -ON_PLANE && z >= -ON_PLANE)
+}
+
+/// Whether a node that is not in the quarter takes its value from a node that is.
+fn mirrored_from_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
+    let sector_node = mesh.origin(node).and_then(|(index, _)| mesh.sector_nodes().get(index));
+    in_quarter(mesh, node) || sector_node.is_some_and(|sector_node| in_quarter(mesh, sector_node))
+}
+
+/// Volume within a closed surface, exactly: the integrand x n_x is of degree 4 on each element.
+///
+/// # Errors
+/// Those of `node`; [`EvaluateError::NotFinite`].
+pub(crate) fn volume<T: Real>(
+    mesh: &Mesh<'_>,
+    node: impl Fn(usize) -> Result<[T; 3], EvaluateError>,
+) -> Result<T, EvaluateError> {
+    integrate(mesh, node, volume_density)
+}
+
+fn volume_density<T: Real>(point: &Point<T>, nodes: &[[T; 3]; 6]) -> T {
+    let [a, b] = point.tangents(nodes);
+    combine(&point.shape, |i| nodes[i][0]) * (a[1] * b[2] - a[2] * b[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volume_of_curved_elements() {
+        let volume = |nodes: &[[f64; 3]; 6]| -> f64 {
+            Point::all()
+                .iter()
+                .map(|point| point.weight * volume_density(point, nodes))
+                .sum()
+        };
+        // A flat triangle and the same one bulging: x of the mid-edges raised.
+        let flat = [
+            [2.0, 0.0, 0.0],
+            [2.0, 1.0, 0.0],
+            [2.0, 0.0, 1.0],
+            [2.0, 0.5, 0.0],
+            [2.0, 0.5, 0.5],
+            [2.0, 0.0, 0.5],
+        ];
+        assert!((volume(&flat) - 1.0).abs() < 1e-14);
+        let mut bulging = flat;
+        bulging[4][0] = 2.3;
+        // The mid-edge shape function has the integral 1/6 over the unit triangle.
+        assert!((volume(&bulging) - (1.0 + 0.3 / 6.0)).abs() < 1e-14);
+    }
+}
