@@ -14,8 +14,8 @@ pub struct SolverOptions {
     /// Greatest degree of the harmonics [default: three times the mesh frequency]
     #[arg(long)]
     degree: Option<usize>,
-    /// Bending stiffness of the membrane (harmonics), over G_s a^2
-    #[arg(long, default_value_t = 0.0)]
+    /// Bending stiffness of the membrane (harmonics), over G_s a^2: regularises buckling, 0 switches it off
+    #[arg(long, default_value_t = MembraneDiscretisation::BENDING, allow_negative_numbers = true)]
     bending: f64,
     /// Time integrator
     #[arg(long, value_enum, default_value_t = Scheme::Rkc2)]

@@ -4,6 +4,11 @@
 //! `int w . q dS = int eps(w) : T dS` is tested with the basis fields `B_k` themselves, and solved for the load per
 //! reference area, `q J_s = sum r_k B_k`, which the orthonormal basis makes explicit. The mesh only carries nodes:
 //! positions and velocities are projected from its nodes to the harmonics by least squares.
+//!
+//! A membrane that is compressed buckles at the shortest wavelength there is, and no discretisation converges. A
+//! small resistance to bending gives the wavelength: the displacement from the sphere has the energy
+//! `(B / 2 a²) sum (l-1) l (l+1) (l+2) c_k²`, `B/2 int |Laplacian u|² dA` for short waves; linear maps, and so
+//! rotations, are free.
 
 use crate::harmonics::{Grid, Harmonics, Tangents};
 use crate::surface::{Patch, cross, dot};
@@ -119,7 +124,6 @@ impl HarmonicMembrane {
         self.stress(radius, &state.tangents, &mut state.flux)?;
         self.grid.moments(&state.flux, &mut state.load);
         for ((load, shape), l) in state.load.iter_mut().zip(&state.shape).zip(self.space.degrees()) {
-            // (l-1) l (l+1) (l+2): linear maps of the sphere do not bend it.
             let l = l as f64;
             *load += self.bending * (l - 1.0) * l * (l + 1.0) * (l + 2.0) * shape;
         }

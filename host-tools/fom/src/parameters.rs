@@ -41,7 +41,7 @@ pub enum MembraneDiscretisation {
     Harmonics {
         /// Their greatest degree; by default three times the mesh frequency.
         degree: Option<usize>,
-        /// Bending stiffness over `G_s a²`; 0 for a membrane proper.
+        /// Bending stiffness over `G_s a²`; 0 for a membrane without, as the paper's.
         bending: f64,
     },
     /// The paper's six-node elements ([`crate::membrane`]).
@@ -91,11 +91,17 @@ impl Default for Integrator {
     }
 }
 
+impl MembraneDiscretisation {
+    /// The smallest bending stiffness of a half decade series (over `G_s a²`) with which shapes converge where the
+    /// membrane is compressed. Without any the wavelength of its buckles is that of the discretisation.
+    pub const BENDING: f64 = 1e-4;
+}
+
 impl Default for MembraneDiscretisation {
     fn default() -> Self {
         Self::Harmonics {
             degree: None,
-            bending: 0.0,
+            bending: Self::BENDING,
         }
     }
 }
@@ -156,10 +162,9 @@ impl Settings {
     /// [`FomError::NotPositive`] with the setting's name; [`FomError::TooManySnapshots`].
     pub fn validate(&self) -> Result<(), FomError> {
         self.integrator.validate()?;
-        if let MembraneDiscretisation::Harmonics { bending, .. } = self.membrane
-            && bending != 0.0
-        {
-            positive("bending stiffness", bending)?;
+        if let MembraneDiscretisation::Harmonics { bending, .. } = self.membrane {
+            // 0 is none.
+            positive("bending stiffness", if bending == 0.0 { 1.0 } else { bending })?;
         }
         positive("end time", self.end_time)?;
         positive("snapshot interval", self.snapshot_interval)?;
