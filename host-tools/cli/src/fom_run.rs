@@ -1,12 +1,11 @@
 //! `capsule-rom fom run`: one configuration of the full-order model.
 
 use crate::solver_options::SolverOptions;
-use crate::{interrupt, print, progress};
+use crate::{interrupt, print, progress, record};
 use anyhow::{Result, bail};
 use capsule_database::{Database, vtu};
-use capsule_fom::{Configuration, Outcome, Progress, Solver, Status};
+use capsule_fom::{Configuration, Outcome, Solver, Status};
 use clap::Args;
-use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -80,9 +79,9 @@ pub fn run(options: &Options) -> Result<()> {
     };
     configuration.validate()?;
     let solver = Solver::new(options.solver.settings())?;
-    let bar = progress::bar(options.quiet, thousandths(solver.settings().end_time), "{bar:40} {msg}");
-    let outcome = solver.run(&configuration, &mut |progress| {
-        show(&bar, progress);
+    let bar = progress::run(options.quiet);
+    let outcome = solver.run(&configuration, &mut |now| {
+        progress::show_run(&bar, now);
         interrupt::flow()
     })?;
     bar.finish_and_clear();
@@ -96,19 +95,6 @@ pub fn run(options: &Options) -> Result<()> {
         return print::json(&summary(options, &solver, &outcome));
     }
     report(&outcome)
-}
-
-/// The bar counts thousandths of l/V.
-fn thousandths(t: f64) -> u64 {
-    (1000.0 * t) as u64
-}
-
-fn show(bar: &ProgressBar, progress: &Progress) {
-    bar.set_position(thousandths(progress.t));
-    bar.set_message(format!(
-        "t = {:.3} of {}, {} steps, {} evaluations, normal velocity {:.1e}",
-        progress.t, progress.end_time, progress.steps, progress.velocity_evaluations, progress.residual
-    ));
 }
 
 fn summary<'a>(options: &Options, solver: &Solver, outcome: &'a Outcome) -> Run<'a> {
@@ -199,15 +185,15 @@ fn report(outcome: &Outcome) -> Result<()> {
 }
 
 fn write(folder: &Path, solver: &Solver, outcome: &Outcome) -> Result<()> {
-    let mesh = crate::fom_sweep::database_mesh(solver);
-    let trajectory = crate::fom_sweep::trajectory(outcome);
+    let mesh = record::mesh(solver);
+    let trajectory = record::trajectory(outcome);
     let mut series = vtu::Series::create(folder, "capsule")?;
     for (i, &t) in trajectory.times.iter().enumerate() {
         let velocity = vtu::PointData::Vector("velocity", &trajectory.velocities[i]);
         series.add(t, &mesh, &trajectory.positions[i], &[velocity])?;
     }
     series.finish()?;
-    let description = crate::fom_sweep::description(solver.settings())?;
+    let description = record::description(solver.settings())?;
     Database::create(&folder.join("snapshots"), description, mesh)?.write(&trajectory)?;
     Ok(())
 }

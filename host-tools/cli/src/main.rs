@@ -2,9 +2,9 @@
 
 mod fom_convergence;
 mod fom_integrators;
+mod fom_limit;
 mod fom_run;
 mod fom_shear;
-mod fom_sweep;
 mod fom_validate;
 mod interrupt;
 mod model;
@@ -13,9 +13,11 @@ mod outlines;
 mod predict;
 mod print;
 mod progress;
+mod record;
 mod solver_options;
 mod study_leave_one_out;
 mod study_speed;
+mod sweep;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -68,7 +70,9 @@ enum Fom {
     /// Run one configuration
     Run(fom_run::Options),
     /// Run a design of experiment into a database; resumable
-    Sweep(fom_sweep::Options),
+    Sweep(sweep::Options),
+    /// The steady limit of each row of a database
+    Limit(fom_limit::Options),
     /// A capsule in unbounded simple shear flow, to compare with the literature
     Shear(fom_shear::Options),
     /// Compare the solver with exact and published results
@@ -96,7 +100,8 @@ enum Study {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Fom(Fom::Run(options)) => fom_run::run(&options),
-        Command::Fom(Fom::Sweep(options)) => fom_sweep::run(&options),
+        Command::Fom(Fom::Sweep(options)) => sweep::run(&options),
+        Command::Fom(Fom::Limit(options)) => fom_limit::run(&options),
         Command::Fom(Fom::Shear(options)) => fom_shear::run(&options),
         Command::Fom(Fom::Validate(options)) => fom_validate::run(&options),
         Command::Fom(Fom::Convergence(options)) => fom_convergence::run(&options),

@@ -2,79 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use ndarray::{Array1, Array3, ArrayD, Ix4};
-use serde::{Deserialize, Serialize};
+use ndarray::{Array1, Array2, Array3, Array4, ArrayD, Ix2, Ix4};
 
 use crate::compact::{self, Snapshots};
+use crate::description::{Description, VERSION};
 use crate::error::{finite, length};
 use crate::npz::{Reader, Writer, rows};
-use crate::{DatabaseError, Mesh, Status, Symmetry, Trajectory, apply, atomic};
-
-/// The format that this program reads and writes.
-const VERSION: u64 = 1;
+use crate::{DatabaseError, Mesh, Status, Symmetry, Trajectory, apply, version1};
 
 /// A field counts as symmetric when it deviates from the expansion of its sector by no more than this (l or V), a small
 /// part of the fixed-point step.
-const SYMMETRIC: f64 = 0.01 * compact::STEP;
-
-/// A parameter of the configurations.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Parameter {
-    /// Its name, such as `capillary_number`.
-    pub name: String,
-    /// Its letters in file names, such as `ca`.
-    pub symbol: String,
-}
-
-/// What all configurations have in common, kept in `database.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Description {
-    /// The parameters, in the order of [`Trajectory::parameters`].
-    pub parameters: Vec<Parameter>,
-    /// Time between snapshots, in l/V.
-    pub snapshot_interval: f64,
-    /// The time at which a simulation ends when nothing ends it before, in l/V.
-    pub end_time: f64,
-    /// The settings of the solver, for the record.
-    pub solver: serde_json::Value,
-}
-
-impl Description {
-    /// The description of a database over capillary number and confinement, (Ca, a/l).
-    #[must_use]
-    pub fn new(snapshot_interval: f64, end_time: f64, solver: serde_json::Value) -> Self {
-        let parameter = |name: &str, symbol: &str| Parameter {
-            name: name.to_owned(),
-            symbol: symbol.to_owned(),
-        };
-        let parameters = vec![parameter("capillary_number", "ca"), parameter("confinement", "al")];
-        Description {
-            parameters,
-            snapshot_interval,
-            end_time,
-            solver,
-        }
-    }
-}
-
-/// The content of `database.json`.
-#[derive(Serialize, Deserialize)]
-struct File {
-    format: String,
-    version: u64,
-    #[serde(flatten)]
-    description: Description,
-    units: Units,
-    fixed_point_step: f64,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Units {
-    length: String,
-    velocity: String,
-    time: String,
-    pressure: String,
-}
+const SYMMETRIC: f64 = 0.01 * compact::POSITION_STEP;
 
 /// One configuration of a database, without its snapshots.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +31,7 @@ pub struct Entry {
 #[derive(Debug, Clone)]
 pub struct Database {
     directory: PathBuf,
+    version: u64,
     description: Description,
     mesh: Mesh,
     symmetry: Symmetry,
@@ -107,30 +46,30 @@ impl Database {
     /// [`DatabaseError::Io`] when the directory cannot be written.
     pub fn create(directory: &Path, description: Description, mesh: Mesh) -> Result<Self, DatabaseError> {
         mesh.validate()?;
-        let path = directory.join("database.json");
-        let text = to_text(&path, &description)?;
-        if path.exists() {
-            let different = |difference| DatabaseError::Different {
+        if directory.join("database.json").exists() {
+            let database = Database::open(directory)?;
+            let different = |difference: String| DatabaseError::Different {
                 path: directory.to_path_buf(),
                 difference,
             };
-            if std::fs::read_to_string(&path).map_err(DatabaseError::io("read", &path))? != text {
-                return Err(different("description"));
-            }
-            let database = Database::open(directory)?;
-            return if database.mesh == mesh {
-                Ok(database)
+            return if database.version != VERSION {
+                Err(different(format!("format version, {}", database.version)))
+            } else if let Some(difference) = database.description.difference(&description) {
+                Err(different(difference.to_string()))
+            } else if database.mesh != mesh {
+                Err(different("mesh".to_owned()))
             } else {
-                Err(different("mesh"))
+                Ok(database)
             };
         }
         std::fs::create_dir_all(directory).map_err(DatabaseError::io("create", directory))?;
         let symmetry = Symmetry::detect(&mesh.nodes);
         write_mesh(&directory.join("mesh.npz"), &mesh, &symmetry)?;
         // Last, because it is what makes the directory a database.
-        atomic::write(&path, text.as_bytes())?;
+        description.write(directory)?;
         Ok(Database {
             directory: directory.to_path_buf(),
+            version: VERSION,
             description,
             mesh,
             symmetry,
@@ -143,32 +82,21 @@ impl Database {
     /// [`DatabaseError::NotADatabase`], [`DatabaseError::WrongVersion`], or what is wrong with `database.json` or
     /// `mesh.npz`.
     pub fn open(directory: &Path) -> Result<Self, DatabaseError> {
-        let path = directory.join("database.json");
-        let text = match std::fs::read_to_string(&path) {
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-                return Err(DatabaseError::NotADatabase {
-                    path: directory.to_path_buf(),
-                });
-            }
-            other => other.map_err(DatabaseError::io("read", &path))?,
-        };
-        let value: serde_json::Value = serde_json::from_str(&text).map_err(DatabaseError::json(&path))?;
-        let version = value.get("version").and_then(serde_json::Value::as_u64);
-        if let Some(found) = version.filter(|v| *v != VERSION) {
-            return Err(DatabaseError::WrongVersion {
-                path,
-                found,
-                supported: VERSION,
-            });
-        }
-        let file: File = serde_json::from_value(value).map_err(DatabaseError::json(&path))?;
+        let (description, version) = Description::read(directory)?;
         let (mesh, symmetry) = read_mesh(&directory.join("mesh.npz"))?;
         Ok(Database {
             directory: directory.to_path_buf(),
-            description: file.description,
+            version,
+            description,
             mesh,
             symmetry,
         })
+    }
+
+    /// The directory.
+    #[must_use]
+    pub fn directory(&self) -> &Path {
+        &self.directory
     }
 
     /// What the configurations have in common.
@@ -189,16 +117,10 @@ impl Database {
         &self.symmetry
     }
 
-    /// The instants at which a complete trajectory has snapshots: 0, the snapshot interval, ... up to the end time.
+    /// The instants at which a complete trajectory has snapshots, from 0 to the end time.
     #[must_use]
-    pub fn times(&self) -> Vec<f64> {
-        let Description {
-            snapshot_interval: step,
-            end_time,
-            ..
-        } = self.description;
-        let last = (end_time / step + 1e-9).floor() as usize;
-        (0..=last).map(|i| i as f64 * step).collect()
+    pub fn times(&self) -> &[f64] {
+        &self.description.times
     }
 
     /// Whether the configuration has a file, with snapshots or its status alone. Parameters are compared to six decimals.
@@ -232,8 +154,7 @@ impl Database {
                 Ok(fields.clone())
             }
         };
-        let (velocities, decoded) = compact::encode_velocities(&kept(&trajectory.velocities)?)?;
-        let positions = compact::encode_positions(&kept(&trajectory.positions)?, &decoded, &trajectory.times)?;
+        let [positions, velocities] = compact::encode(&kept(&trajectory.positions)?, &kept(&trajectory.velocities)?)?;
         let path = self.directory.join(self.file_name(&trajectory.parameters));
         let status = serde_json::to_vec(&trajectory.status).map_err(DatabaseError::json(&path))?;
         let mut writer = Writer::new(&path);
@@ -242,8 +163,10 @@ impl Database {
         writer.add("times", &Array1::from(trajectory.times.clone()))?;
         writer.add("centroid", &Array1::from(trajectory.centroid.clone()))?;
         writer.add("pressure_drop", &Array1::from(trajectory.pressure_drop.clone()))?;
-        writer.add("velocities", &velocities)?;
-        writer.add("positions", &positions)?;
+        for (name, code) in [("positions", positions), ("velocities", velocities)] {
+            writer.add(name, &code.planes)?;
+            writer.add(&predictor(name), &code.predictor)?;
+        }
         writer.finish()
     }
 
@@ -319,11 +242,21 @@ impl Database {
         // A file holds the sector or all nodes; which, its own shape says.
         let (all, sector) = (self.mesh.nodes.len(), self.symmetry.sector.len());
         let kept = if planes.shape()[2] == sector { sector } else { all };
-        let planes = reader.expect_shape("velocities", planes, &[None, instants, Some(kept), Some(3)])?;
-        let positions: ArrayD<u8> = reader.array("positions", &[None, instants, Some(kept), Some(3)])?;
-        let four = |planes: ArrayD<u8>| planes.into_dimensionality::<Ix4>().unwrap_or_default();
-        let velocities = compact::decode_velocities(four(planes).view());
-        let positions = compact::decode_positions(four(positions).view(), &velocities, &times);
+        let [positions, velocities] = if self.version == 1 {
+            let mut planes = |name| self.planes(&mut reader, name, times.len(), kept);
+            version1::decode(planes("positions")?.view(), planes("velocities")?.view(), &times)
+        } else {
+            let mut code = |name| -> Result<(Array4<u8>, Array2<i32>), DatabaseError> {
+                let planes = self.planes(&mut reader, name, times.len(), kept)?;
+                let predictor = reader.array::<i32>(&predictor(name), &[instants, None])?;
+                Ok((planes, predictor.into_dimensionality::<Ix2>().unwrap_or_default()))
+            };
+            let (positions, velocities) = (code("positions")?, code("velocities")?);
+            compact::decode(
+                (positions.0.view(), positions.1.view()),
+                (velocities.0.view(), velocities.1.view()),
+            )
+        };
         let expanded = |fields: Snapshots| -> Result<Snapshots, DatabaseError> {
             if kept == all {
                 Ok(fields)
@@ -373,6 +306,17 @@ impl Database {
         Ok(digest)
     }
 
+    fn planes(
+        &self,
+        reader: &mut Reader,
+        name: &str,
+        instants: usize,
+        kept: usize,
+    ) -> Result<Array4<u8>, DatabaseError> {
+        let planes: ArrayD<u8> = reader.array(name, &[None, Some(instants), Some(kept), Some(3)])?;
+        Ok(planes.into_dimensionality::<Ix4>().unwrap_or_default())
+    }
+
     /// The names of the database's files, sorted; temporary and foreign files left out.
     fn files(&self) -> Result<Vec<String>, DatabaseError> {
         let failed = || DatabaseError::io("read", &self.directory);
@@ -414,20 +358,9 @@ impl Database {
     }
 }
 
-fn to_text(path: &Path, description: &Description) -> Result<String, DatabaseError> {
-    let file = File {
-        format: "capsule-database".to_owned(),
-        version: VERSION,
-        description: description.clone(),
-        units: Units {
-            length: "l".to_owned(),
-            velocity: "V".to_owned(),
-            time: "l/V".to_owned(),
-            pressure: "mu V/l".to_owned(),
-        },
-        fixed_point_step: compact::STEP,
-    };
-    Ok(serde_json::to_string_pretty(&file).map_err(DatabaseError::json(path))? + "\n")
+/// The name of the array with the prediction's coefficients of a field.
+fn predictor(field: &str) -> String {
+    format!("{field}_predictor")
 }
 
 fn write_mesh(path: &Path, mesh: &Mesh, symmetry: &Symmetry) -> Result<(), DatabaseError> {
@@ -475,8 +408,12 @@ mod tests {
     use crate::mesh::tests::octahedral;
     use crate::trajectory::tests::relaxing;
 
+    fn times(interval: f64) -> Vec<f64> {
+        (0..6).map(|i| interval * f64::from(i)).collect()
+    }
+
     fn description() -> Description {
-        Description::new(0.2, 1.0, serde_json::json!({ "tolerance": 1e-5 }))
+        Description::new(times(0.2), serde_json::json!({ "tolerance": 1e-5 }))
     }
 
     fn fresh(directory: &tempfile::TempDir) -> Database {
@@ -492,9 +429,7 @@ mod tests {
     fn what_is_written_is_read_again() {
         let directory = tempfile::tempdir().unwrap();
         let database = fresh(&directory);
-        let times = database.times();
-        assert_eq!(times.len(), 6);
-        let original = relaxing(database.mesh(), &times);
+        let original = relaxing(database.mesh(), database.times());
         assert!(!database.contains(&original.parameters));
         database.write(&original).unwrap();
         assert!(database.contains(&original.parameters));
@@ -506,8 +441,8 @@ mod tests {
             (&copy.times, &copy.status, &copy.centroid),
             (&original.times, &original.status, &original.centroid)
         );
-        assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::STEP);
-        assert!(worst(&copy.velocities, &original.velocities) <= 0.52 * compact::STEP);
+        assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::POSITION_STEP);
+        assert!(worst(&copy.velocities, &original.velocities) <= 0.52 * compact::VELOCITY_STEP);
         assert_eq!(database.trajectories().unwrap().count(), 1);
         let files: Vec<_> = database.files().unwrap();
         assert_eq!(files, ["ca0.1000_al0.9000.npz", "database.json", "mesh.npz"]);
@@ -517,7 +452,7 @@ mod tests {
     fn an_asymmetric_trajectory_keeps_all_its_nodes() {
         let directory = tempfile::tempdir().unwrap();
         let database = fresh(&directory);
-        let mut original = relaxing(database.mesh(), &database.times());
+        let mut original = relaxing(database.mesh(), database.times());
         let kept = |d: &Database| {
             let mut reader = Reader::open(&directory.path().join(d.file_name(&[0.1, 0.9]))).unwrap();
             reader.array::<u8>("velocities", &[None; 4]).unwrap().shape()[2]
@@ -528,7 +463,7 @@ mod tests {
         database.write(&original).unwrap();
         assert_eq!(kept(&database), database.mesh().nodes.len());
         let copy = database.read(&original.parameters).unwrap();
-        assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::STEP);
+        assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::POSITION_STEP);
     }
 
     #[test]
@@ -580,20 +515,11 @@ mod tests {
         fresh(&directory).record(&[0.1, 0.9], Status::Unsteady).unwrap();
         assert!(fresh(&directory).contains(&[0.1, 0.9]));
         let error = Database::create(directory.path(), description(), octahedral(2)).unwrap_err();
-        assert!(
-            matches!(error, DatabaseError::Different { difference: "mesh", .. }),
-            "{error}"
-        );
-        let other = Description::new(0.1, 1.0, serde_json::json!({ "tolerance": 1e-5 }));
+        assert!(error.to_string().contains("another mesh"), "{error}");
+        let other = Description::new(times(0.2), serde_json::json!({ "tolerance": 1e-4 }));
         let error = Database::create(directory.path(), other, octahedral(3)).unwrap_err();
         assert!(
-            matches!(
-                error,
-                DatabaseError::Different {
-                    difference: "description",
-                    ..
-                }
-            ),
+            error.to_string().contains("solver.tolerance (0.00001 and 0.0001)"),
             "{error}"
         );
     }
@@ -638,14 +564,14 @@ mod tests {
 
         let json = directory.path().join("database.json");
         let text = std::fs::read_to_string(&json).unwrap();
-        std::fs::write(&json, text.replace("\"version\": 1", "\"version\": 7")).unwrap();
+        std::fs::write(&json, text.replace("\"version\": 2", "\"version\": 7")).unwrap();
         let error = Database::open(directory.path()).unwrap_err();
         assert!(
             matches!(
                 error,
                 DatabaseError::WrongVersion {
                     found: 7,
-                    supported: 1,
+                    supported: 2,
                     ..
                 }
             ),

@@ -28,7 +28,7 @@ pub enum DatabaseError {
         /// The directory.
         path: PathBuf,
         /// What differs.
-        difference: &'static str,
+        difference: String,
     },
     /// The database was written in a format that this program does not read.
     #[error("{}: format version {found}; this program reads version {supported}", path.display())]

@@ -2,7 +2,7 @@
 //!
 //! A database is a directory:
 //!
-//! - `database.json`: format version, names of the parameters, units, snapshot interval, end time, solver settings;
+//! - `database.json`: format version, names of the parameters, units, instants of the snapshots, solver settings;
 //! - `mesh.npz`: the reference nodes on the unit sphere, the quadratic triangles and the symmetry tables;
 //! - `ca0.1000_al0.9000.npz` and the like: one file a configuration, written whole or not at all.
 //!
@@ -18,14 +18,18 @@
 mod atomic;
 pub mod compact;
 mod database;
+mod description;
 mod error;
 mod mesh;
 mod npz;
+mod predictor;
 mod symmetry;
 mod trajectory;
+mod version1;
 pub mod vtu;
 
-pub use database::{Database, Description, Entry, Parameter};
+pub use database::{Database, Entry};
+pub use description::{Description, Difference, Parameter};
 pub use error::DatabaseError;
 pub use mesh::Mesh;
 pub use npz::export as export_npz;

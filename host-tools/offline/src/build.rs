@@ -194,7 +194,7 @@ impl<'a> Plan<'a> {
         let domain = Domain {
             ranges: [range(0), range(1)],
             steady_limit: steady_limit(&samples),
-            times: database.times(),
+            times: database.times().to_vec(),
             database_digest: format!("{:016x}", database.digest()?),
         };
         Ok(Plan {

@@ -89,7 +89,7 @@ fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Resu
     }
     let times = database.times();
     let end = stored.times.last().copied().unwrap_or(0.0);
-    let trajectory = stored.extended(mesh, &times)?;
+    let trajectory = stored.extended(mesh, times)?;
     let [capillary_number, confinement] = [stored.parameters[0], stored.parameters[1]];
 
     let mut speeds: Vec<f64> = Vec::with_capacity(times.len());

@@ -179,7 +179,7 @@ fn a_steady_stop_is_extended_by_translation() {
 fn what_cannot_be_built_is_named() {
     let directory = tempfile::tempdir().unwrap();
     let database = database(directory.path());
-    let mut skew = trajectory(database.mesh(), [0.08, 0.85], &database.times());
+    let mut skew = trajectory(database.mesh(), [0.08, 0.85], database.times());
     skew.positions[2][9][1] += 1e-4;
     database.write(&skew).unwrap();
     let error = build(&database, &settings(), &quiet).unwrap_err();
@@ -203,7 +203,7 @@ fn what_cannot_be_built_is_named() {
     ));
 
     let directory = tempfile::tempdir().unwrap();
-    let description = Description::new(0.2, 2.0, serde_json::Value::Null);
+    let description = Description::new((0..=10).map(|i| 0.2 * f64::from(i)).collect(), serde_json::Value::Null);
     let empty = Database::create(directory.path(), description.clone(), octahedral(2)).unwrap();
     empty.record(&[0.2, 1.2], Status::Unsteady).unwrap();
     let error = build(&empty, &settings(), &quiet).unwrap_err();

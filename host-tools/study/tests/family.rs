@@ -25,12 +25,12 @@ fn settings() -> Settings {
 #[test]
 fn a_family_that_the_model_contains_has_no_error() {
     let directory = tempfile::tempdir().unwrap();
-    let description = Description::new(0.5, 8.0, serde_json::Value::Null);
+    let description = Description::new((0..=16).map(|i| 0.5 * f64::from(i)).collect(), serde_json::Value::Null);
     let database = Database::create(directory.path(), description, support::octahedral(2)).unwrap();
     for ca in [0.02, 0.05, 0.08, 0.11, 0.14] {
         for a in [0.8, 0.85, 0.9, 0.95, 1.0] {
             database
-                .write(&support::trajectory(database.mesh(), [ca, a], &database.times()))
+                .write(&support::trajectory(database.mesh(), [ca, a], database.times()))
                 .unwrap();
         }
     }
@@ -51,7 +51,7 @@ fn a_family_that_the_model_contains_has_no_error() {
     assert_eq!(report.csv().lines().count(), 1 + 25 * 4 * 2);
 
     // A sample that does not belong to the family.
-    let mut stranger = support::trajectory(database.mesh(), [0.08, 0.9], &database.times());
+    let mut stranger = support::trajectory(database.mesh(), [0.08, 0.9], database.times());
     for positions in &mut stranger.positions[1..] {
         for p in positions {
             p[0] += 0.01;
