@@ -7,6 +7,12 @@ use capsule_fom::flow::{Background, Duct, DuctSettings, Flow, FlowError, FreeSpa
 use capsule_fom::{Mesh, Symmetry};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // On a thread of the pool, as in a sweep: waking one for every loop would cost more than the loop.
+    std::thread::scope(|_| rayon::scope(|_| run().map_err(|error| error.to_string())))?;
+    Ok(())
+}
+
+fn run() -> Result<(), Box<dyn std::error::Error>> {
     let frequency = std::env::args().nth(1).map_or(Ok(8), |n| n.parse())?;
     let repetitions = std::env::args().nth(2).map_or(Ok(100), |n| n.parse())?;
     let mesh = Mesh::octahedral(frequency)?;

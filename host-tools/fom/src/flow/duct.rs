@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::error::FlowError;
 use super::membrane_layer::{MembraneLayer, MembraneRules};
+use super::near::TargetBlocks;
 use super::panel::{Panel, PanelRule};
 use super::poiseuille::Poiseuille;
 use super::settings::DuctSettings;
@@ -52,6 +53,7 @@ impl Duct {
             order: settings.order,
             symmetric: settings.symmetric,
             reach: settings.wall_reach,
+            precision: settings.precision,
         })?;
         let rule = PanelRule::new(OUTLET_ORDER);
         let mut outlet = Sources::default();
@@ -73,7 +75,7 @@ impl Duct {
         Ok(Self {
             half_length: settings.half_length,
             poiseuille: Poiseuille::new(),
-            rules: MembraneRules::new(&settings.membrane),
+            rules: MembraneRules::new(&settings.membrane, settings.precision),
             outlet_traction: wall.solve(&velocity),
             wall,
             outlet,
@@ -126,13 +128,13 @@ impl Duct {
     }
 
     /// Finds the pressure drop and the traction on the wall that cancels the velocity of membrane and outlet there.
-    fn disturbance<'a>(&'a self, membrane: &'a Membrane<'a>) -> Disturbance<'a> {
+    fn disturbance<'a>(&'a self, membrane: &Membrane<'a>) -> Disturbance<'a> {
         // Reciprocity with the undisturbed flow, whose flow rate is 4.
         let power = |(&[_, y, z], force): (&[f64; 3], &[f64; 3])| self.poiseuille.velocity(y, z) * force[0];
         let pressure_drop = 0.25 * membrane.nodes.iter().zip(membrane.force).map(power).sum::<f64>();
         let layer = MembraneLayer::new(membrane, &self.rules);
         let mut velocity = vec![[0.0; 3]; self.wall.nodes().len()];
-        layer.add_to(&[], self.wall.nodes(), &mut velocity);
+        layer.add_to(&[], self.wall.blocks(), &mut velocity);
         let mut traction = self.wall.solve(&velocity);
         for (f, outlet) in traction.iter_mut().zip(&self.outlet_traction) {
             for d in 0..3 {
@@ -149,12 +151,13 @@ impl Duct {
     /// `v = v_inf - 1/(8 pi) [int_C J q dS + int_W J f dS - dp int_out J n dS]`; the first points are the `nodes`.
     fn evaluate(&self, disturbance: &Disturbance, nodes: &[u32], points: &[[f64; 3]], out: &mut [[f64; 3]]) {
         out.fill([0.0; 3]);
-        stokeslet::add_all(&self.outlet, points, out);
+        stokeslet::add_sums(self.outlet.all(), points, out);
         for value in out.iter_mut().flatten() {
             *value *= -disturbance.pressure_drop;
         }
-        disturbance.layer.add_to(nodes, points, out);
-        self.wall.add_layer(&disturbance.traction, points, out);
+        let blocks = TargetBlocks::new(points);
+        disturbance.layer.add_to(nodes, &blocks, out);
+        self.wall.add_layer(&disturbance.traction, &blocks, out);
         for (value, &[_, y, z]) in out.iter_mut().zip(points) {
             *value = value.map(|c| -c / (8.0 * PI));
             value[0] += self.poiseuille.velocity(y, z);
@@ -178,6 +181,7 @@ impl Flow for Duct {
 mod tests {
     use super::super::membrane_layer::MembraneQuadrature;
     use super::super::quadrature::gauss_legendre;
+    use super::super::settings::Precision;
     use super::super::test_support::{Loaded, difference};
     use super::*;
 
@@ -209,7 +213,7 @@ mod tests {
                 let flux: f64 = out.iter().zip(&weights).map(|(v, w)| v[0] * w).sum::<f64>() - 4.0;
                 // What is left comes from v_inf being interpolated from the nodes in the pressure drop.
                 println!("mesh {n}, section {section}: flux {flux:.2e}, pressure drop {drop}");
-                assert!(flux.abs() < [1e-3, 3e-5][n / 8] && flux.abs() < last);
+                assert!(flux.abs() < [1e-3, 5e-5][n / 8] && flux.abs() < last);
                 if section == 3.0 {
                     last = flux.abs();
                 }
@@ -251,7 +255,15 @@ mod tests {
     #[test]
     fn reduced_wall_equals_unreduced_wall() {
         let capsule = Loaded::capsule(3);
-        let settings = DuctSettings::coarse();
+        // Without what depends on the blocks of targets.
+        let settings = DuctSettings {
+            precision: Precision::Double,
+            membrane: MembraneQuadrature {
+                far: 50.0,
+                ..MembraneQuadrature::default()
+            },
+            ..DuctSettings::coarse()
+        };
         let (reduced, _) = velocity(&duct(settings.clone()), &capsule);
         let unreduced = DuctSettings {
             symmetric: false,
@@ -280,6 +292,46 @@ mod tests {
         let (fine, _) = velocity(&duct(fine), &capsule);
         println!("quadrature: {:.2e}", difference(&coarse, &fine));
         assert!(difference(&coarse, &fine) < 2e-5);
+    }
+
+    #[test]
+    fn single_precision_and_nodal_forces_change_nothing() {
+        let capsule = Loaded::capsule(8);
+        // A load like that of a stiff membrane: a pressure that all but cancels is added.
+        let mut stiff = Loaded::capsule(8);
+        let inflated = |(q, p): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|d| q[d] + 60.0 * p[d]);
+        stiff.set_load(stiff.load.iter().zip(&stiff.mesh.nodes).map(inflated).collect());
+        let production = duct(DuctSettings::default());
+        let double = DuctSettings {
+            precision: Precision::Double,
+            ..DuctSettings::default()
+        };
+        let no_nodal_forces = DuctSettings {
+            membrane: MembraneQuadrature {
+                far: 50.0,
+                ..MembraneQuadrature::default()
+            },
+            ..double.clone()
+        };
+        let (double, no_nodal_forces) = (duct(double), duct(no_nodal_forces));
+        for (name, loaded, nodal) in [("soft", &capsule, 2e-6), ("stiff", &stiff, 2e-5)] {
+            let reference = velocity(&double, loaded).0;
+            let rounding = difference(&velocity(&production, loaded).0, &reference);
+            let coarsening = difference(&velocity(&no_nodal_forces, loaded).0, &reference);
+            println!("{name}: single precision {rounding:.2e}, nodal forces {coarsening:.2e}");
+            assert!(rounding < 2e-6 && coarsening < nodal, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_does_not_matter() {
+        let duct = duct(DuctSettings::coarse());
+        let capsule = Loaded::capsule(5);
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| velocity(&duct, &capsule))
+        };
+        assert_eq!(with(1), with(3));
     }
 
     /// Solves `operator(x) = b` by GMRES without restarts; returns the solution after `steps` steps.

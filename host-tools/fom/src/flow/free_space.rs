@@ -2,6 +2,8 @@
 
 use super::error::FlowError;
 use super::membrane_layer::{MembraneLayer, MembraneQuadrature, MembraneRules};
+use super::near::TargetBlocks;
+use super::settings::Precision;
 use super::{Flow, Membrane};
 
 /// The flow far from the membrane.
@@ -28,7 +30,7 @@ impl FreeSpace {
     pub fn new(background: Background) -> Self {
         Self {
             background,
-            rules: MembraneRules::new(&MembraneQuadrature::default()),
+            rules: MembraneRules::new(&MembraneQuadrature::default(), Precision::default()),
         }
     }
 }
@@ -39,7 +41,7 @@ impl Flow for FreeSpace {
         membrane.check(targets, out)?;
         let points: Vec<[f64; 3]> = targets.iter().map(|&i| membrane.nodes[i as usize]).collect();
         let mut layer = vec![[0.0; 3]; points.len()];
-        MembraneLayer::new(membrane, &self.rules).add_to(targets, &points, &mut layer);
+        MembraneLayer::new(membrane, &self.rules).add_to(targets, &TargetBlocks::new(&points), &mut layer);
         for ((value, &[_, y, _]), layer) in out.iter_mut().zip(&points).zip(layer) {
             *value = layer.map(|c| -c / (8.0 * std::f64::consts::PI));
             if let Background::Shear { rate } = self.background {

@@ -4,14 +4,16 @@
 //! membrane `C` with its load `q` (the traction jump, eq. 8 of the paper), the walls `W` with the perturbation traction
 //! `f` that makes `v = 0` there, and the additional pressure drop `dp` acting on the outlet.
 //!
-//! - [`stokeslet`]: sums over point forces, vectorised;
-//! - [`quadrature`], `patch`, `near`, [`membrane_layer`]: the integral over the membrane;
-//! - `panel`, `wall`: the integral over the walls and the solution for `f`;
+//! - [`stokeslet`], `real`: sums over point forces, vectorised, in two precisions;
+//! - [`quadrature`], `patch`, `far`, `near`, [`membrane_layer`]: the integral over the membrane;
+//! - `panel`, `wall`, `dense`: the integral over the walls and the solution for `f`;
 //! - [`poiseuille`]: the undisturbed flow;
 //! - [`duct`] with its `settings`, [`free_space`]: the two flows behind the trait [`Flow`].
 
+mod dense;
 pub mod duct;
 mod error;
+mod far;
 pub mod free_space;
 pub mod membrane_layer;
 mod near;
@@ -19,6 +21,7 @@ mod panel;
 mod patch;
 pub mod poiseuille;
 pub mod quadrature;
+mod real;
 mod settings;
 pub mod stokeslet;
 mod wall;
@@ -31,7 +34,7 @@ pub use error::FlowError;
 pub use free_space::{Background, FreeSpace};
 pub use membrane_layer::MembraneQuadrature;
 pub use poiseuille::Poiseuille;
-pub use settings::DuctSettings;
+pub use settings::{DuctSettings, Precision};
 
 /// The membrane as the fluid sees it.
 #[derive(Debug, Clone, Copy)]

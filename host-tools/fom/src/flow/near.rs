@@ -1,8 +1,167 @@
-//! Targets close to an element or a panel, and what is added for them beyond the far sum.
+//! Targets in compact blocks, which decide together what is far from them, and targets close to an element or a panel
+//! with what is added for them.
 
 use std::ops::Range;
 
 use super::stokeslet::{self, SourceSlice};
+
+/// A ball around some points.
+#[derive(Debug, Clone, Copy)]
+pub struct Ball {
+    /// Its centre.
+    pub centre: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+}
+
+impl Ball {
+    /// A ball about the mean of some points that holds them.
+    pub fn around(points: &[[f64; 3]]) -> Self {
+        let centre = [0, 1, 2].map(|d| points.iter().map(|p| p[d]).sum::<f64>() / points.len() as f64);
+        let square = points.iter().map(|&p| distance_squared(p, centre)).fold(0.0, f64::max);
+        Self {
+            centre,
+            radius: square.sqrt(),
+        }
+    }
+
+    /// Whether all points of `other` are farther from the centre than `reach` radii.
+    pub fn is_beyond(&self, reach: f64, other: Self) -> bool {
+        let distance = reach * self.radius + other.radius;
+        distance_squared(self.centre, other.centre) >= distance * distance
+    }
+}
+
+/// Targets, sorted into blocks of neighbours with a ball around each.
+#[derive(Debug, Clone)]
+pub struct TargetBlocks {
+    /// Which of the given targets they are.
+    index: Vec<u32>,
+    position: Vec<[f64; 3]>,
+    balls: Vec<Ball>,
+    /// The last block of each of so many targets may be smaller.
+    period: usize,
+}
+
+/// Targets of a block.
+pub const BLOCK: usize = 16;
+
+impl TargetBlocks {
+    /// Sorts the targets by cutting them in two, across their longest extent, until a block is left.
+    pub fn new(targets: &[[f64; 3]]) -> Self {
+        let mut index: Vec<u32> = (0..targets.len() as u32).collect();
+        bisect(&mut index, targets);
+        let position: Vec<[f64; 3]> = index.iter().map(|&i| targets[i as usize]).collect();
+        Self {
+            balls: position.chunks(BLOCK).map(Ball::around).collect(),
+            period: index.len(),
+            index,
+            position,
+        }
+    }
+
+    /// The images of the targets under some isometries, those of one after those of the other.
+    pub fn images(&self, maps: impl Iterator<Item = impl Fn([f64; 3]) -> [f64; 3]>) -> Self {
+        let mut images = Self {
+            index: Vec::new(),
+            position: Vec::new(),
+            balls: Vec::new(),
+            period: self.period,
+        };
+        for (k, map) in (0..).zip(maps) {
+            images
+                .index
+                .extend(self.index.iter().map(|i| i + k * self.period as u32));
+            images.position.extend(self.position.iter().map(|&p| map(p)));
+            images.balls.extend(self.balls.iter().map(|ball| Ball {
+                centre: map(ball.centre),
+                ..*ball
+            }));
+        }
+        images
+    }
+
+    /// The number of targets.
+    pub fn targets(&self) -> usize {
+        self.index.len()
+    }
+
+    /// The number of blocks.
+    pub fn len(&self) -> usize {
+        self.balls.len()
+    }
+
+    /// The ball around block `b`.
+    pub fn ball(&self, b: usize) -> Ball {
+        self.balls[b]
+    }
+
+    fn range(&self, b: usize) -> Range<usize> {
+        let blocks = self.period.div_ceil(BLOCK);
+        let first = b / blocks * self.period;
+        let start = first + b % blocks * BLOCK;
+        start..(start + BLOCK).min(first + self.period)
+    }
+
+    /// The positions of the targets of block `b`.
+    pub fn positions(&self, b: usize) -> &[[f64; 3]] {
+        &self.position[self.range(b)]
+    }
+
+    /// Adds the values found for block `b` to the list of the given targets.
+    pub fn add_to(&self, b: usize, values: &[[f64; 3]], out: &mut [[f64; 3]]) {
+        for (&i, value) in self.index[self.range(b)].iter().zip(values) {
+            add(&mut out[i as usize], value);
+        }
+    }
+
+    /// All targets of some blocks.
+    pub fn gather(&self, blocks: &[u32]) -> NearTargets {
+        let ranges = || blocks.iter().map(|&b| self.range(b as usize));
+        let index: Vec<u32> = ranges().flat_map(|range| &self.index[range]).copied().collect();
+        NearTargets {
+            position: ranges().flat_map(|range| &self.position[range]).copied().collect(),
+            value: vec![[0.0; 3]; index.len()],
+            index,
+        }
+    }
+}
+
+fn bisect(index: &mut [u32], targets: &[[f64; 3]]) {
+    if index.len() <= BLOCK {
+        return;
+    }
+    let extent = |d: usize| {
+        let coordinates = || index.iter().map(|&i| targets[i as usize][d]);
+        coordinates().fold(f64::MIN, f64::max) - coordinates().fold(f64::MAX, f64::min)
+    };
+    let [x, y, z] = [0, 1, 2].map(extent);
+    let longest = if x >= y.max(z) {
+        0
+    } else if y >= z {
+        1
+    } else {
+        2
+    };
+    let middle = index.len().div_ceil(BLOCK) / 2 * BLOCK;
+    index.select_nth_unstable_by(middle, |&i, &j| {
+        targets[i as usize][longest].total_cmp(&targets[j as usize][longest])
+    });
+    let (low, high) = index.split_at_mut(middle);
+    bisect(low, targets);
+    bisect(high, targets);
+}
+
+/// Of each source (an element or a panel) the blocks of targets close to it, from the sources close to each block.
+pub fn transpose(close: &[Vec<u32>], sources: usize) -> Vec<Vec<u32>> {
+    let mut blocks = vec![Vec::new(); sources];
+    for (b, close) in (0..).zip(close) {
+        for &source in close {
+            blocks[source as usize].push(b);
+        }
+    }
+    blocks
+}
 
 /// Targets by index, with positions and the values gathered for them.
 #[derive(Debug, Default)]
@@ -12,55 +171,10 @@ pub struct NearTargets {
     value: Vec<[f64; 3]>,
 }
 
-/// Targets in blocks of a few, each with a ball around it, so that those close to a point are found quickly.
-pub struct TargetBlocks<'a> {
-    targets: &'a [[f64; 3]],
-    balls: Vec<([f64; 3], f64)>,
-}
-
-const BLOCK: usize = 16;
-
-impl<'a> TargetBlocks<'a> {
-    /// Finds the balls; blocks are of targets that follow each other.
-    pub fn new(targets: &'a [[f64; 3]]) -> Self {
-        let ball = |block: &[[f64; 3]]| {
-            let centre = [0, 1, 2].map(|d| block.iter().map(|p| p[d]).sum::<f64>() / block.len() as f64);
-            let square = block.iter().map(|&p| distance_squared(p, centre)).fold(0.0, f64::max);
-            (centre, square.sqrt())
-        };
-        Self {
-            targets,
-            balls: targets.chunks(BLOCK).map(ball).collect(),
-        }
-    }
-
-    /// The targets within `distance` of `centre`.
-    pub fn within(&self, centre: [f64; 3], distance: f64) -> NearTargets {
-        let mut near = NearTargets::default();
-        for (b, &(block_centre, radius)) in self.balls.iter().enumerate() {
-            if distance_squared(block_centre, centre) < (distance + radius) * (distance + radius) {
-                for (i, &target) in (0..).zip(self.targets).skip(b * BLOCK).take(BLOCK) {
-                    if distance_squared(target, centre) < distance * distance {
-                        near.index.push(i);
-                        near.position.push(target);
-                    }
-                }
-            }
-        }
-        near.value.resize(near.index.len(), [0.0; 3]);
-        near
-    }
-}
-
 impl NearTargets {
     /// Their number.
     pub fn len(&self) -> usize {
         self.index.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.index.is_empty()
     }
 
     /// Index of the `k`-th in the list it was taken from.
@@ -93,20 +207,17 @@ impl NearTargets {
         stokeslet::add_sums(sources, &self.position[range.clone()], &mut self.value[range]);
     }
 
-    /// Sets all values to minus the velocity of `sources`.
-    pub fn subtract(&mut self, sources: SourceSlice<'_>) {
-        self.value.fill([0.0; 3]);
-        self.add(sources, 0..self.len());
-        self.value.iter_mut().flatten().for_each(|v| *v = -*v);
-    }
-
     /// Adds the values to the list that the targets were taken from.
     pub fn add_to(&self, out: &mut [[f64; 3]]) {
         for (&i, value) in self.index.iter().zip(&self.value) {
-            for d in 0..3 {
-                out[i as usize][d] += value[d];
-            }
+            add(&mut out[i as usize], value);
         }
+    }
+}
+
+fn add(value: &mut [f64; 3], change: &[f64; 3]) {
+    for d in 0..3 {
+        value[d] += change[d];
     }
 }
 

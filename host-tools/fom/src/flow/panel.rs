@@ -3,6 +3,7 @@
 //! A density on a panel is the tensor product of Lagrange polynomials on the Gauss nodes. A part of a panel carries
 //! the same polynomial, so that panels close to a target are divided without loss.
 
+use super::near::Ball;
 use super::quadrature::gauss_legendre;
 use super::stokeslet::stokeslet;
 
@@ -49,6 +50,14 @@ impl Panel {
     /// Radius of the ball about the centre that holds the panel.
     pub fn radius(&self) -> f64 {
         norm(self.u).hypot(norm(self.v))
+    }
+
+    /// The ball about the centre that holds the panel.
+    pub fn ball(&self) -> Ball {
+        Ball {
+            centre: self.centre,
+            radius: self.radius(),
+        }
     }
 
     /// Whether the first side is the longer one (the one to cut).

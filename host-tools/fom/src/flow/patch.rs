@@ -3,44 +3,70 @@
 use multiversion::multiversion;
 use multiversion::target::match_target;
 
+use super::near::Ball;
 use super::quadrature::TriangleRule;
-use super::stokeslet::{LANES, Sources, fused};
+use super::real::fused;
+use super::stokeslet::{LANES, Sources};
 
-/// Six nodes (VTK order) with their positions and loads.
+/// Six nodes (VTK order) with all that is interpolated between them.
 #[derive(Debug, Clone)]
 pub struct Patch {
-    /// Position and load at each node: x, y, z, qx, qy, qz.
-    nodes: [[f64; 6]; 6],
+    /// Position, load and area vector at each node: x, y, z, qx, qy, qz, nx, ny, nz. The area vector, the cross product
+    /// of the two tangents, is a quadratic polynomial like the others: its interpolation is exact.
+    nodes: [[f64; FIELDS]; 6],
 }
+
+const FIELDS: usize = 9;
 
 impl Patch {
     /// The element with nodes `element` of a membrane.
     pub fn new(element: &[u32; 6], nodes: &[[f64; 3]], load: &[[f64; 3]]) -> Self {
+        let x = element.map(|i| nodes[i as usize]);
+        let combine = |terms: &[(f64, usize)]| {
+            [0, 1, 2].map(|d| terms.iter().map(|&(factor, node)| factor * x[node][d]).sum::<f64>())
+        };
+        // The tangents are linear: those at the corners give those half-way.
+        let first = [
+            combine(&[(-3.0, 0), (-1.0, 1), (4.0, 3)]),
+            combine(&[(1.0, 0), (3.0, 1), (-4.0, 3)]),
+            combine(&[(1.0, 0), (-1.0, 1), (4.0, 4), (-4.0, 5)]),
+        ];
+        let second = [
+            combine(&[(-3.0, 0), (-1.0, 2), (4.0, 5)]),
+            combine(&[(1.0, 0), (-1.0, 2), (-4.0, 3), (4.0, 4)]),
+            combine(&[(1.0, 0), (3.0, 2), (-4.0, 5)]),
+        ];
+        let tangent = |corners: &[[f64; 3]; 3], k: usize| match k {
+            0..3 => corners[k],
+            _ => [0, 1, 2].map(|d| 0.5 * (corners[k - 3][d] + corners[(k - 2) % 3][d])),
+        };
         Self {
-            nodes: element.map(|i| {
-                let ([x, y, z], [qx, qy, qz]) = (nodes[i as usize], load[i as usize]);
-                [x, y, z, qx, qy, qz]
+            nodes: std::array::from_fn(|k| {
+                let ([x, y, z], [qx, qy, qz]) = (x[k], load[element[k] as usize]);
+                let (u, v) = (tangent(&first, k), tangent(&second, k));
+                let nx = u[1] * v[2] - u[2] * v[1];
+                let ny = u[2] * v[0] - u[0] * v[2];
+                let nz = u[0] * v[1] - u[1] * v[0];
+                [x, y, z, qx, qy, qz, nx, ny, nz]
             }),
         }
     }
 
-    /// Centre and radius of a ball that holds the nodes.
-    pub fn ball(&self) -> ([f64; 3], f64) {
-        let centre = [0, 1, 2].map(|d| self.nodes.iter().map(|n| n[d]).sum::<f64>() / 6.0);
-        let square = |n: &[f64; 6]| (0..3).map(|d| (n[d] - centre[d]) * (n[d] - centre[d])).sum::<f64>();
-        (centre, self.nodes.iter().map(square).fold(0.0, f64::max).sqrt())
+    /// A ball that holds the nodes.
+    pub fn ball(&self) -> Ball {
+        Ball::around(&self.nodes.map(|[x, y, z, ..]| [x, y, z]))
     }
 
     /// The four patches that the mid-edge nodes cut it into. A part of a P2 triangle is again P2: nothing is lost.
     pub fn split(&self) -> [Self; 4] {
         let n = &self.nodes;
         // On the edge (a, b) with the mid-node m, a quarter of the way from a to b.
-        let quarter = |a: usize, m: usize, b: usize| {
-            [0, 1, 2, 3, 4, 5].map(|c| 0.375 * n[a][c] + 0.75 * n[m][c] - 0.125 * n[b][c])
+        let quarter = |a: usize, m: usize, b: usize| -> [f64; FIELDS] {
+            std::array::from_fn(|c| 0.375 * n[a][c] + 0.75 * n[m][c] - 0.125 * n[b][c])
         };
         // Half-way between two mid-edge nodes p and q about the corner a; r is the third, b and c the other corners.
-        let inner = |p: usize, q: usize, r: usize, b: usize, c: usize| {
-            [0, 1, 2, 3, 4, 5].map(|k| 0.5 * (n[p][k] + n[q][k]) + 0.25 * n[r][k] - 0.125 * (n[b][k] + n[c][k]))
+        let inner = |p: usize, q: usize, r: usize, b: usize, c: usize| -> [f64; FIELDS] {
+            std::array::from_fn(|k| 0.5 * (n[p][k] + n[q][k]) + 0.25 * n[r][k] - 0.125 * (n[b][k] + n[c][k]))
         };
         let (e03, e31) = (quarter(0, 3, 1), quarter(1, 3, 0));
         let (e14, e42) = (quarter(1, 4, 2), quarter(2, 4, 1));
@@ -52,7 +78,11 @@ impl Patch {
             [n[5], n[4], n[2], i54, e42, e25],
             [n[3], n[4], n[5], i43, i54, i35],
         ]
-        .map(|nodes| Self { nodes })
+        .map(|nodes| Self {
+            // A quarter of the area.
+            nodes: nodes
+                .map(|[x, y, z, qx, qy, qz, nx, ny, nz]| [x, y, z, qx, qy, qz, 0.25 * nx, 0.25 * ny, 0.25 * nz]),
+        })
     }
 
     /// Adds the patch's sources by a rule, `rule.slots()` of them: at each point the load times weight and surface
@@ -69,11 +99,10 @@ pub struct PatchRule {
     blocks: Vec<Block>,
 }
 
-/// Shape functions, their two derivatives, and weights at [`LANES`] points.
+/// Shape functions and weights at [`LANES`] points.
 #[derive(Debug, Clone)]
 struct Block {
     shape: [[f64; LANES]; 6],
-    derivatives: [[[f64; LANES]; 6]; 2],
     weight: [f64; LANES],
 }
 
@@ -83,18 +112,14 @@ impl PatchRule {
         let mut blocks = vec![
             Block {
                 shape: [[0.0; LANES]; 6],
-                derivatives: [[[0.0; LANES]; 6]; 2],
                 weight: [0.0; LANES],
             };
             rule.points.len().div_ceil(LANES)
         ];
         for (p, (&point, &weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
             let (block, lane) = (&mut blocks[p / LANES], p % LANES);
-            let (shape, derivatives) = shape_functions(point);
-            for k in 0..6 {
-                block.shape[k][lane] = shape[k];
-                block.derivatives[0][k][lane] = derivatives[0][k];
-                block.derivatives[1][k][lane] = derivatives[1][k];
+            for (values, value) in block.shape.iter_mut().zip(shape_functions(point)) {
+                values[lane] = value;
             }
             block.weight[lane] = weight;
         }
@@ -112,27 +137,21 @@ impl PatchRule {
     }
 }
 
-/// The P2 shape functions and their derivatives at a point of the reference triangle.
-fn shape_functions([s, t]: [f64; 2]) -> ([f64; 6], [[f64; 6]; 2]) {
+/// The P2 shape functions at a point of the reference triangle.
+fn shape_functions([s, t]: [f64; 2]) -> [f64; 6] {
     let r = 1.0 - s - t;
-    (
-        [
-            r * (2.0 * r - 1.0),
-            s * (2.0 * s - 1.0),
-            t * (2.0 * t - 1.0),
-            4.0 * r * s,
-            4.0 * s * t,
-            4.0 * t * r,
-        ],
-        [
-            [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t],
-            [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)],
-        ],
-    )
+    [
+        r * (2.0 * r - 1.0),
+        s * (2.0 * s - 1.0),
+        t * (2.0 * t - 1.0),
+        4.0 * r * s,
+        4.0 * s * t,
+        4.0 * t * r,
+    ]
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn interpolate(blocks: &[Block], nodes: &[[f64; 6]; 6], sources: [&mut [f64]; 6]) {
+fn interpolate(blocks: &[Block], nodes: &[[f64; FIELDS]; 6], sources: [&mut [f64]; 6]) {
     match_target! {
         "x86_64+fma" => interpolate_blocks::<true>(blocks, nodes, sources),
         _ => interpolate_blocks::<false>(blocks, nodes, sources),
@@ -140,31 +159,20 @@ fn interpolate(blocks: &[Block], nodes: &[[f64; 6]; 6], sources: [&mut [f64]; 6]
 }
 
 #[inline(always)]
-fn interpolate_blocks<const FMA: bool>(blocks: &[Block], nodes: &[[f64; 6]; 6], sources: [&mut [f64]; 6]) {
+fn interpolate_blocks<const FMA: bool>(blocks: &[Block], nodes: &[[f64; FIELDS]; 6], sources: [&mut [f64]; 6]) {
     for (b, block) in blocks.iter().enumerate() {
-        let mut value = [[0.0; LANES]; 6];
-        let mut tangents = [[[0.0; LANES]; 3]; 2];
+        let mut value = [[0.0; LANES]; FIELDS];
         for k in 0..6 {
-            for c in 0..6 {
+            for c in 0..FIELDS {
                 for l in 0..LANES {
-                    value[c][l] = fused::<FMA>(block.shape[k][l], nodes[k][c], value[c][l]);
-                }
-            }
-            for (tangent, derivative) in tangents.iter_mut().zip(&block.derivatives) {
-                for d in 0..3 {
-                    for l in 0..LANES {
-                        tangent[d][l] = fused::<FMA>(derivative[k][l], nodes[k][d], tangent[d][l]);
-                    }
+                    value[c][l] = fused::<f64, FMA>(block.shape[k][l], nodes[k][c], value[c][l]);
                 }
             }
         }
         let mut area = [0.0; LANES];
-        let [u, v] = &tangents;
         for l in 0..LANES {
-            let x = u[1][l] * v[2][l] - u[2][l] * v[1][l];
-            let y = u[2][l] * v[0][l] - u[0][l] * v[2][l];
-            let z = u[0][l] * v[1][l] - u[1][l] * v[0][l];
-            area[l] = (x * x + y * y + z * z).sqrt() * block.weight[l];
+            let square = value[6][l] * value[6][l] + value[7][l] * value[7][l] + value[8][l] * value[8][l];
+            area[l] = square.sqrt() * block.weight[l];
         }
         for d in 0..3 {
             sources[d][b * LANES..][..LANES].copy_from_slice(&value[d]);
@@ -221,10 +229,9 @@ mod tests {
 
     #[test]
     fn the_ball_holds_the_nodes_and_shrinks_by_half() {
-        let (_, radius) = curved().ball();
+        let radius = curved().ball().radius;
         for part in curved().split() {
-            let (_, part_radius) = part.ball();
-            assert!(part_radius < 0.7 * radius);
+            assert!(part.ball().radius < 0.7 * radius);
         }
     }
 }

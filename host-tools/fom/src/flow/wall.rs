@@ -9,10 +9,13 @@ use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
 
+use super::dense::Dense;
 use super::error::FlowError;
-use super::near::{NearTargets, TargetBlocks};
+use super::far::Units;
+use super::near::{NearTargets, TargetBlocks, transpose};
 use super::panel::{LoadedPanel, Panel, PanelRule};
-use super::stokeslet::{self, Sources};
+use super::settings::Precision;
+use super::stokeslet::{Sources, StokesletSums};
 use crate::symmetry::apply;
 
 /// The walls' panels and the inverse of their operator.
@@ -29,7 +32,10 @@ pub struct Wall {
     /// Quadrature weights of the nodes.
     weights: Vec<f64>,
     /// Inverse of the operator on fields even and odd under the mirror, at the nodes at x > 0.
-    inverses: [Mat<f64>; 2],
+    inverses: [Dense; 2],
+    precision: Precision,
+    /// The nodes as targets.
+    blocks: TargetBlocks,
 }
 
 /// What the panels are to be.
@@ -45,6 +51,8 @@ pub struct WallLayout {
     pub symmetric: bool,
     /// Parts of panels closer than this, in units of their radius, are divided.
     pub reach: f64,
+    /// Of the far sums and the inverse.
+    pub precision: Precision,
 }
 
 /// The inverse of an operation of the square.
@@ -99,19 +107,26 @@ impl Wall {
             panels,
             images,
             reach: layout.reach,
+            blocks: TargetBlocks::new(&nodes),
             nodes,
             weights,
-            inverses: [Mat::new(), Mat::new()],
+            inverses: Default::default(),
+            precision: layout.precision,
         };
         let [even, odd] = wall.operator();
         let (even, odd) = rayon::join(|| inverted(&even), || inverted(&odd));
-        wall.inverses = [even?, odd?];
+        wall.inverses = [even?, odd?].map(|inverse| Dense::new(&inverse, layout.precision));
         Ok(wall)
     }
 
     /// Collocation nodes.
     pub fn nodes(&self) -> &[[f64; 3]] {
         &self.nodes
+    }
+
+    /// The collocation nodes as targets.
+    pub fn blocks(&self) -> &TargetBlocks {
+        &self.blocks
     }
 
     /// The even and the odd operator, for the nodes at x > 0: `v(x_i) = int_W J(x_i - y) f(y) dS`, components
@@ -159,60 +174,52 @@ impl Wall {
     pub fn solve(&self, velocity: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let half = self.nodes.len() / 2;
         let (front, back) = velocity.split_at(half);
-        let part = |parity: f64| {
-            Mat::from_fn(3 * half, 1, |row, _| {
-                let (i, d) = (row / 3, row % 3);
-                let sign = if d == 0 { -parity } else { parity };
-                0.5 * (front[i][d] + sign * back[i][d])
-            })
+        let part = |parity: f64| -> Vec<f64> {
+            front
+                .iter()
+                .zip(back)
+                .flat_map(|(front, back)| [0, 1, 2].map(|d| 0.5 * (front[d] + parity * mirror(*back)[d])))
+                .collect()
         };
-        let [even_operator, odd_operator] = &self.inverses;
-        let (even, odd) = rayon::join(|| even_operator * part(1.0), || odd_operator * part(-1.0));
-        let at_front = |i: usize| [0, 1, 2].map(|d| even[(3 * i + d, 0)] + odd[(3 * i + d, 0)]);
-        let at_back = |i: usize| mirror([0, 1, 2].map(|d| even[(3 * i + d, 0)] - odd[(3 * i + d, 0)]));
+        let [even, odd] = &self.inverses;
+        let (even, odd) = rayon::join(|| even.multiply(&part(1.0)), || odd.multiply(&part(-1.0)));
+        let at_front = |i: usize| [0, 1, 2].map(|d| even[3 * i + d] + odd[3 * i + d]);
+        let at_back = |i: usize| mirror([0, 1, 2].map(|d| even[3 * i + d] - odd[3 * i + d]));
         (0..half).map(at_front).chain((0..half).map(at_back)).collect()
     }
 
     /// Adds `int_W J(x - y) f(y) dS` over the whole wall to `out`, for each target in the fluid.
-    pub fn add_layer(&self, traction: &[[f64; 3]], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
-        if targets.is_empty() {
-            return;
-        }
+    pub fn add_layer(&self, traction: &[[f64; 3]], targets: &TargetBlocks, out: &mut [[f64; 3]]) {
         // The image of the wall under g acts on a target as the wall does on the target turned back by g.
-        let turned: Vec<[f64; 3]> = self
-            .images
-            .iter()
-            .flat_map(|&g| targets.iter().map(move |&target| apply(inverse(g), target)))
-            .collect();
+        let turned = targets.images(self.images.iter().map(|&g| move |target| apply(inverse(g), target)));
+        let mut sums = vec![[0.0; 3]; turned.targets()];
         let mut sources = Sources::with_capacity(self.nodes.len());
         for ((&position, &weight), f) in self.nodes.iter().zip(&self.weights).zip(traction) {
             sources.push(position, f.map(|c| c * weight));
         }
-        let mut sums = vec![[0.0; 3]; turned.len()];
-        let blocks = TargetBlocks::new(&turned);
-        stokeslet::add_all(&sources, &turned, &mut sums);
+        let close = match self.precision {
+            Precision::Mixed => self.add_far::<f32>(&sources, &turned, &mut sums),
+            Precision::Double => self.add_far::<f64>(&sources, &turned, &mut sums),
+        };
         let points = self.rule.nodes();
-        let corrections: Vec<NearTargets> = self
-            .panels
+        let near: Vec<NearTargets> = transpose(&close, self.panels.len())
             .par_iter()
             .enumerate()
-            .map(|(p, panel)| {
-                let mut near = blocks.within(panel.centre, self.reach * panel.radius());
-                if !near.is_empty() {
-                    near.subtract(sources.range(p * points, points));
-                    let loaded = LoadedPanel {
-                        panel: *panel,
-                        density: traction[p * points..][..points].to_vec(),
-                    };
-                    self.add_near(&loaded, &mut near, 0, 0, &mut Sources::default());
-                }
+            .filter(|(_, close)| !close.is_empty())
+            .map(|(p, close)| {
+                let mut near = turned.gather(close);
+                let loaded = LoadedPanel {
+                    panel: self.panels[p],
+                    density: traction[p * points..][..points].to_vec(),
+                };
+                self.add_near(&loaded, &mut near, 0, 0, &mut Sources::default());
                 near
             })
             .collect();
-        for near in &corrections {
+        for near in &near {
             near.add_to(&mut sums);
         }
-        for (sums, &g) in sums.chunks(targets.len()).zip(&self.images) {
+        for (sums, &g) in sums.chunks(out.len().max(1)).zip(&self.images) {
             for (value, &sum) in out.iter_mut().zip(sums) {
                 let sum = apply(g, sum);
                 for d in 0..3 {
@@ -220,6 +227,21 @@ impl Wall {
                 }
             }
         }
+    }
+
+    fn add_far<S: StokesletSums>(
+        &self,
+        sources: &Sources,
+        targets: &TargetBlocks,
+        out: &mut [[f64; 3]],
+    ) -> Vec<Vec<u32>> {
+        let units = Units::<S> {
+            balls: &self.panels.iter().map(Panel::ball).collect::<Vec<_>>(),
+            sources: &sources.rounded(),
+            reach: self.reach,
+            coarse: None,
+        };
+        units.add_far(targets, out)
     }
 
     fn add_sources(&self, panel: &Panel, density: impl Iterator<Item = [f64; 3]>, sources: &mut Sources) {
