@@ -1,5 +1,7 @@
 //! `capsule-rom`: the full-order solver, the offline stage, predictions and studies from the command line.
 
+mod database_merge;
+mod fields;
 mod fom_convergence;
 mod fom_integrators;
 mod fom_limit;
@@ -47,6 +49,9 @@ enum Command {
     /// Full-order model: boundary integrals and membrane finite elements
     #[command(subcommand)]
     Fom(Fom),
+    /// Snapshot databases
+    #[command(subcommand)]
+    Database(Data),
     /// From a snapshot database to a model file
     #[command(subcommand)]
     Offline(Offline),
@@ -84,6 +89,12 @@ enum Fom {
 }
 
 #[derive(Subcommand)]
+enum Data {
+    /// Merge the parts of a sweep into one database
+    Merge(database_merge::Options),
+}
+
+#[derive(Subcommand)]
 enum Offline {
     /// Build a model file from a snapshot database
     Build(offline_build::Options),
@@ -106,6 +117,7 @@ fn main() -> ExitCode {
         Command::Fom(Fom::Validate(options)) => fom_validate::run(&options),
         Command::Fom(Fom::Convergence(options)) => fom_convergence::run(&options),
         Command::Fom(Fom::Integrators(options)) => fom_integrators::run(&options),
+        Command::Database(Data::Merge(options)) => database_merge::run(&options),
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),

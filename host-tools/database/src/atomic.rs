@@ -32,11 +32,16 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), DatabaseError> {
     file.as_file().sync_all().map_err(DatabaseError::io("write", path))?;
     file.persist(path)
         .map_err(|e| DatabaseError::io("write", path)(e.error))?;
-    // The rename itself is on the disk only once the directory is.
-    #[cfg(unix)]
-    File::open(directory)
-        .and_then(|d| d.sync_all())
-        .map_err(DatabaseError::io("write", directory))?;
+    sync(directory)
+}
+
+/// Brings what was renamed in `directory` onto the disk.
+pub(crate) fn sync(directory: &Path) -> Result<(), DatabaseError> {
+    if cfg!(unix) {
+        File::open(directory)
+            .and_then(|d| d.sync_all())
+            .map_err(DatabaseError::io("write", directory))?;
+    }
     Ok(())
 }
 

@@ -47,19 +47,20 @@ impl Database {
     pub fn create(directory: &Path, description: Description, mesh: Mesh) -> Result<Self, DatabaseError> {
         mesh.validate()?;
         if directory.join("database.json").exists() {
-            let database = Database::open(directory)?;
-            let different = |difference: String| DatabaseError::Different {
-                path: directory.to_path_buf(),
-                difference,
+            let there = Database::open(directory)?;
+            let wanted = Database {
+                directory: directory.to_path_buf(),
+                version: VERSION,
+                description,
+                symmetry: Symmetry::detect(&mesh.nodes),
+                mesh,
             };
-            return if database.version != VERSION {
-                Err(different(format!("format version, {}", database.version)))
-            } else if let Some(difference) = database.description.difference(&description) {
-                Err(different(difference.to_string()))
-            } else if database.mesh != mesh {
-                Err(different("mesh".to_owned()))
-            } else {
-                Ok(database)
+            return match there.difference(&wanted) {
+                None => Ok(there),
+                Some(difference) => Err(DatabaseError::Different {
+                    path: directory.to_path_buf(),
+                    difference,
+                }),
             };
         }
         std::fs::create_dir_all(directory).map_err(DatabaseError::io("create", directory))?;
@@ -91,6 +92,18 @@ impl Database {
             mesh,
             symmetry,
         })
+    }
+
+    /// What keeps the configurations of two databases from belonging together: format, a setting, or the mesh.
+    #[must_use]
+    pub(crate) fn difference(&self, other: &Self) -> Option<String> {
+        if self.version != other.version {
+            Some(format!("format version ({} and {})", self.version, other.version))
+        } else if let Some(difference) = self.description.difference(&other.description) {
+            Some(difference.to_string())
+        } else {
+            (self.mesh != other.mesh).then(|| "mesh".to_owned())
+        }
     }
 
     /// The directory.
@@ -515,7 +528,7 @@ mod tests {
         fresh(&directory).record(&[0.1, 0.9], Status::Unsteady).unwrap();
         assert!(fresh(&directory).contains(&[0.1, 0.9]));
         let error = Database::create(directory.path(), description(), octahedral(2)).unwrap_err();
-        assert!(error.to_string().contains("another mesh"), "{error}");
+        assert!(error.to_string().contains("differ in mesh"), "{error}");
         let other = Description::new(times(0.2), serde_json::json!({ "tolerance": 1e-4 }));
         let error = Database::create(directory.path(), other, octahedral(3)).unwrap_err();
         assert!(

@@ -22,13 +22,30 @@ pub enum DatabaseError {
         /// The directory.
         path: PathBuf,
     },
-    /// A database was to be created where another one, with other settings or another mesh, already is.
-    #[error("{} already holds a database with another {difference}; use another directory", path.display())]
+    /// Databases that should be of the same settings and mesh are not.
+    #[error("{} holds a database of another kind: they differ in {difference}", path.display())]
     Different {
-        /// The directory.
+        /// The directory of the one that is there.
         path: PathBuf,
         /// What differs.
         difference: String,
+    },
+    /// There are no databases to merge.
+    #[error("nothing to merge: no database was given")]
+    NothingToMerge,
+    /// Two databases disagree about a configuration.
+    #[error("{} and {} are of the same configuration but differ", first.display(), second.display())]
+    Conflict {
+        /// One of the files.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// A directory for something new is not empty.
+    #[error("{} exists and is not empty: name a new directory", path.display())]
+    Occupied {
+        /// The directory.
+        path: PathBuf,
     },
     /// The database was written in a format that this program does not read.
     #[error("{}: format version {found}; this program reads version {supported}", path.display())]

@@ -11,7 +11,7 @@
 //! of the square is found in it and only one sector of the nodes is kept ([`Symmetry`]), and the numbers are predicted
 //! from their past and kept as small integers ([`compact`]). The files are plain NPZ, which NumPy opens.
 //!
-//! [`vtu`] writes for ParaView, [`export_npz`] plain arrays for NumPy.
+//! [`vtu`] writes for ParaView, [`export_npz`] plain arrays for NumPy, [`fields`] quantities at the nodes.
 //!
 //! Lengths are in l (half the duct's side), velocities in V, times in l/V.
 
@@ -20,6 +20,8 @@ pub mod compact;
 mod database;
 mod description;
 mod error;
+pub mod fields;
+mod merge;
 mod mesh;
 mod npz;
 mod predictor;
@@ -31,6 +33,7 @@ pub mod vtu;
 pub use database::{Database, Entry};
 pub use description::{Description, Difference, Parameter};
 pub use error::DatabaseError;
+pub use merge::Merge;
 pub use mesh::Mesh;
 pub use npz::export as export_npz;
 pub use symmetry::{Symmetry, apply};

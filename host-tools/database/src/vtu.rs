@@ -22,7 +22,8 @@ pub enum PointData<'a> {
 }
 
 impl PointData<'_> {
-    fn parts(&self) -> (&str, usize, &[f64]) {
+    /// Name, number of components, values.
+    pub(crate) fn parts(&self) -> (&str, usize, &[f64]) {
         match self {
             PointData::Scalar(name, values) => (name, 1, values),
             PointData::Vector(name, values) => (name, 3, values.as_flattened()),
