@@ -129,15 +129,15 @@ impl<T: Real> Stencil<T> {
 /// Below it there is no surface, and its square's square could vanish in single precision.
 const LEAST_AREA_DILATION: f32 = 1e-3;
 
-/// Distance in the projection that no node of the near half of the sphere has.
+/// Distance in the projection that no node within 120 degrees has.
 const FAR: f32 = 4.0;
 
-/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; those of the far half
-/// are out of reach.
+/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; those beyond 120
+/// degrees are out of reach.
 fn projection<T: Real>(centre: [T; 3], axes: &[[T; 3]; 2], point: [T; 3]) -> [T; 2] {
     let chord = plus(point, -T::ONE, centre);
     let square = dot(&chord, &chord);
-    if square < T::from_f32(2.0) {
+    if square < T::from_f32(3.0) {
         let scale = T::ONE / (T::ONE - square * T::from_f32(0.25));
         [0, 1].map(|axis| scale * dot(&chord, &axes[axis]))
     } else {

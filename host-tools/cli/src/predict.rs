@@ -1,9 +1,11 @@
 //! `capsule-rom predict`: the reduced-order model at chosen instants.
 
+use crate::fields::{self, Column, Field, Totals};
 use crate::{model, outlines, print};
 use anyhow::{Context, Result};
+use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
-use capsule_database::vtu;
+use capsule_database::vtu::{self, PointData};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -32,9 +34,15 @@ pub struct Options {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write the table as CSV
+    /// Mechanics of the membrane: at the nodes in --vtu, --csv and --npz, their totals in the answer
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "FIELD,...")]
+    fields: Vec<Field>,
+    /// Write the table as CSV; with --fields a row for each instant and node instead of each instant
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Write the nodes' positions, velocities and fields as arrays for NumPy
+    #[arg(long, value_name = "FILE")]
+    npz: Option<PathBuf>,
     /// Write the surfaces as a ParaView series (PVD and VTU) into this folder
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
@@ -48,6 +56,7 @@ Examples:
   capsule-rom predict --ca 0.10 --confinement 0.90 --t 0.4,3,6,9
   capsule-rom predict --ca 0.03 --confinement 1.10 --t 8 --method paper --json
   capsule-rom predict --ca 0.10 --confinement 0.90 --t 0,0.4,3,6,9 --vtu paraview/ --csv table.csv --plot sections.png
+  capsule-rom predict --ca 0.05 --confinement 1.00 --t 5 --fields tension,load,energy --vtu paraview/ --json
 
 Computed in single precision: the same bits as in the browser and on a microcontroller.
 expected_error is a fraction of a (modified Hausdorff distance in the laboratory frame).";
@@ -88,31 +97,34 @@ struct InstantRow {
     velocity: f32,
     volume: f32,
     expected_error: f32,
+    #[serde(flatten)]
+    totals: Option<Totals<f32>>,
 }
 
 impl InstantRow {
-    const HEADING: [&'static str; 8] = [
-        "t",
-        "axial_length",
-        "half_width",
-        "half_diagonal",
-        "rear_depth",
-        "velocity",
-        "volume",
-        "expected_error",
-    ];
-
-    fn cells(&self) -> [f32; 8] {
-        [
-            self.t,
-            self.axial_length,
-            self.half_width,
-            self.half_diagonal,
-            self.rear_depth,
-            self.velocity,
-            self.volume,
-            self.expected_error,
-        ]
+    /// The table's columns.
+    fn cells(&self) -> Vec<(&'static str, f32)> {
+        let mut cells = vec![
+            ("t", self.t),
+            ("axial_length", self.axial_length),
+            ("half_width", self.half_width),
+            ("half_diagonal", self.half_diagonal),
+            ("rear_depth", self.rear_depth),
+            ("velocity", self.velocity),
+            ("volume", self.volume),
+            ("expected_error", self.expected_error),
+        ];
+        if let Some(totals) = self.totals {
+            cells.extend([
+                ("area", totals.area),
+                ("energy", totals.energy),
+                ("pressure_drop", totals.pressure_drop),
+                ("max_stretch", totals.max_stretch),
+                ("max_tension", totals.max_tension),
+                ("min_tension", totals.min_tension),
+            ]);
+        }
+        cells
     }
 }
 
@@ -128,10 +140,11 @@ pub fn run(options: &Options) -> Result<()> {
         ..Query::new(options.ca, options.confinement, method)
     })?;
 
+    let mut mechanics = Mechanics::new(&model, &options.fields, options.ca)?;
     let instants = options
         .t
         .iter()
-        .map(|&t| instant(&mut evaluator, t))
+        .map(|&t| instant(&mut evaluator, mechanics.as_mut(), t))
         .collect::<Result<Vec<_>>>()?;
     let prediction = Prediction {
         ca: options.ca,
@@ -140,11 +153,35 @@ pub fn run(options: &Options) -> Result<()> {
         method: method_name(method),
         instants,
     };
-    if let Some(file) = &options.csv {
-        write_csv(file, &prediction)?;
+    let title = format!(
+        "capsule-rom predict; Ca = {}; a/l = {}; method {}; model {}",
+        prediction.ca, prediction.confinement, prediction.method, prediction.model_digest
+    );
+    let nodal_csv = options.csv.as_deref().filter(|_| mechanics.is_some());
+    if options.vtu.is_some() || options.npz.is_some() || nodal_csv.is_some() {
+        let surfaces = options
+            .t
+            .iter()
+            .map(|&t| Surface::new(&model, &mut evaluator, mechanics.as_mut(), t))
+            .collect::<Result<Vec<_>>>()?;
+        let instants: Vec<_> = surfaces.iter().map(Surface::instant).collect();
+        let mesh = database_mesh(&model);
+        if let Some(folder) = &options.vtu {
+            let mut series = vtu::Series::create(folder, "capsule")?;
+            for instant in &instants {
+                series.add(instant.time, &mesh, instant.positions, &instant.data)?;
+            }
+            series.finish()?;
+        }
+        if let Some(file) = &options.npz {
+            capsule_database::fields::write_npz(file, &mesh, &instants)?;
+        }
+        if let Some(file) = nodal_csv {
+            capsule_database::fields::write_csv(file, &title, &instants)?;
+        }
     }
-    if let Some(folder) = &options.vtu {
-        write_vtu(folder, &model, &mut evaluator, &options.t)?;
+    if let (Some(file), None) = (&options.csv, nodal_csv) {
+        write_csv(file, &title, &prediction.instants)?;
     }
     if let Some(file) = &options.plot {
         outlines::plot(file, &mut evaluator, &options.t, options.ca, options.confinement)?;
@@ -156,11 +193,10 @@ pub fn run(options: &Options) -> Result<()> {
         "Ca = {}, a/l = {}, method {}, model {}",
         prediction.ca, prediction.confinement, prediction.method, prediction.model_digest
     );
-    let row = |instant: &InstantRow| instant.cells().iter().map(|value| format!("{value:.5}")).collect();
-    print::table(
-        &InstantRow::HEADING,
-        &prediction.instants.iter().map(row).collect::<Vec<_>>(),
-    )
+    let rows: Vec<_> = prediction.instants.iter().map(InstantRow::cells).collect();
+    let heading: Vec<_> = rows.iter().take(1).flatten().map(|(name, _)| *name).collect();
+    let row = |cells: &Vec<(_, f32)>| cells.iter().map(|(_, value)| format!("{value:.5}")).collect();
+    print::table(&heading, &rows.iter().map(row).collect::<Vec<_>>())
 }
 
 /// The method's name in JSON and in tables.
@@ -171,7 +207,8 @@ pub fn method_name(method: Method) -> &'static str {
     }
 }
 
-fn instant(evaluator: &mut Evaluator<'_, f32>, t: f32) -> Result<InstantRow> {
+fn instant(evaluator: &mut Evaluator<'_, f32>, mechanics: Option<&mut Mechanics>, t: f32) -> Result<InstantRow> {
+    let totals = mechanics.map(|mechanics| mechanics.totals(evaluator, t)).transpose()?;
     let mut instant = evaluator.at(t)?;
     let observables = instant.observables()?;
     Ok(InstantRow {
@@ -183,61 +220,118 @@ fn instant(evaluator: &mut Evaluator<'_, f32>, t: f32) -> Result<InstantRow> {
         velocity: observables.velocity,
         volume: instant.volume()?,
         expected_error: instant.expected_error(),
+        totals,
     })
 }
 
-fn write_csv(file: &Path, prediction: &Prediction) -> Result<()> {
-    let mut text = format!(
-        "# capsule-rom predict; Ca = {}; a/l = {}; method {}; model {}\n{}\n",
-        prediction.ca,
-        prediction.confinement,
-        prediction.method,
-        prediction.model_digest,
-        InstantRow::HEADING.join(",")
-    );
-    for instant in &prediction.instants {
-        let cells: Vec<String> = instant.cells().iter().map(f32::to_string).collect();
+/// The membrane's mechanics, if they are asked for.
+struct Mechanics<'o> {
+    fields: &'o [Field],
+    capillary_number: f32,
+    /// Of the sector's nodes.
+    stencils: Vec<Stencil<f32>>,
+    sector: Vec<[f32; 3]>,
+}
+
+impl<'o> Mechanics<'o> {
+    fn new(model: &Model<'_>, fields: &'o [Field], capillary_number: f32) -> Result<Option<Self>> {
+        if fields.is_empty() {
+            return Ok(None);
+        }
+        let mesh = model.mesh();
+        let nodes = mesh.sector_nodes();
+        let stencils = nodes.iter().map(|node| Stencil::at(&mesh, node));
+        Ok(Some(Self {
+            fields,
+            capillary_number,
+            stencils: stencils.collect::<Result<_, _>>()?,
+            sector: vec![[0.0; 3]; nodes.len()],
+        }))
+    }
+
+    /// The deformations at the sector's nodes.
+    fn deformations(&mut self, evaluator: &mut Evaluator<'_, f32>, t: f32) -> Result<Vec<Deformation<f32>>> {
+        let membrane = evaluator.at(t)?.membrane(&mut self.sector)?;
+        let deformations = self.stencils.iter().map(|stencil| membrane.deformation(stencil));
+        Ok(deformations.collect::<Result<_, _>>()?)
+    }
+
+    fn totals(&mut self, evaluator: &mut Evaluator<'_, f32>, t: f32) -> Result<Totals<f32>> {
+        let [max_stretch, max_tension, min_tension] = fields::extremes(&self.deformations(evaluator, t)?);
+        let membrane = evaluator.at(t)?.membrane(&mut self.sector)?;
+        Ok(Totals {
+            area: membrane.area()?,
+            energy: membrane.energy()?,
+            pressure_drop: membrane.pressure_drop()?,
+            max_stretch,
+            max_tension,
+            min_tension,
+        })
+    }
+}
+
+/// All nodes at an instant, in the laboratory frame.
+struct Surface {
+    t: f32,
+    positions: Vec<[f64; 3]>,
+    columns: Vec<Column>,
+}
+
+impl Surface {
+    fn new(
+        model: &Model<'_>,
+        evaluator: &mut Evaluator<'_, f32>,
+        mechanics: Option<&mut Mechanics>,
+        t: f32,
+    ) -> Result<Self> {
+        let scene = Scene {
+            nodes: Nodes::All,
+            frame: Frame::Laboratory,
+        };
+        let mesh = model.mesh();
+        let mut nodes = vec![[0.0_f32; 3]; mesh.nodes()];
+        let mut instant = evaluator.at(t)?;
+        instant.positions(&scene, &mut nodes)?;
+        let positions = nodes.iter().map(|point| point.map(f64::from)).collect();
+        instant.velocities(&scene, &mut nodes)?;
+        let mut columns = vec![Column::vectors("velocity", nodes)];
+        if let Some(mechanics) = mechanics {
+            let sector = mechanics.deformations(evaluator, t)?;
+            let carried = |(index, operation): (usize, u8)| sector[index].carried(operation);
+            let full: Vec<_> = (0..mesh.nodes()).filter_map(|node| mesh.origin(node)).map(carried).collect();
+            let load = || full.iter().map(|at| at.load(mechanics.capillary_number)).collect();
+            columns.extend(fields::columns(mechanics.fields, &full, load));
+        }
+        Ok(Self { t, positions, columns })
+    }
+
+    fn instant(&self) -> capsule_database::fields::Instant<'_> {
+        capsule_database::fields::Instant {
+            time: self.t.into(),
+            positions: &self.positions,
+            data: self.columns.iter().map(Column::data).collect::<Vec<PointData>>(),
+        }
+    }
+}
+
+fn write_csv(file: &Path, title: &str, instants: &[InstantRow]) -> Result<()> {
+    let rows: Vec<_> = instants.iter().map(InstantRow::cells).collect();
+    let heading: Vec<_> = rows.iter().take(1).flatten().map(|(name, _)| *name).collect();
+    let mut text = format!("# {title}\n{}\n", heading.join(","));
+    for row in rows {
+        let cells: Vec<String> = row.iter().map(|(_, value)| value.to_string()).collect();
         text += &cells.join(",");
         text.push('\n');
     }
     std::fs::write(file, text).with_context(|| format!("could not write {}", file.display()))
 }
 
-fn write_vtu(folder: &Path, model: &Model<'_>, evaluator: &mut Evaluator<'_, f32>, times: &[f32]) -> Result<()> {
-    let scene = Scene {
-        nodes: Nodes::All,
-        frame: Frame::Laboratory,
-    };
-    let mesh = &model.contents().mesh;
-    let mut nodes = vec![[0.0_f32; 3]; mesh.nodes as usize];
-    let indices: Vec<u32> = mesh
-        .elements
-        .data
-        .chunks_exact(2)
-        .map(|pair| u32::from(u16::from_le_bytes([pair[0], pair[1]])))
-        .collect();
-    evaluator.at(0.0)?.positions(&scene, &mut nodes)?;
-    let mesh = capsule_database::Mesh {
-        nodes: wide(&nodes),
-        elements: indices.as_chunks::<6>().0.to_vec(),
-    };
-    let mut series = vtu::Series::create(folder, "capsule")?;
-    for &t in times {
-        let mut instant = evaluator.at(t)?;
-        instant.positions(&scene, &mut nodes)?;
-        let positions = wide(&nodes);
-        instant.velocities(&scene, &mut nodes)?;
-        series.add(
-            f64::from(t),
-            &mesh,
-            &positions,
-            &[vtu::PointData::Vector("velocity", &wide(&nodes))],
-        )?;
+/// The model's mesh as the writers take it.
+fn database_mesh(model: &Model<'_>) -> capsule_database::Mesh {
+    let mesh = model.mesh();
+    let reference = |node| mesh.reference(node).unwrap_or_default().map(f64::from);
+    capsule_database::Mesh {
+        nodes: (0..mesh.nodes()).map(reference).collect(),
+        elements: mesh.elements().map(|element| element.map(u32::from)).collect(),
     }
-    series.finish()?;
-    Ok(())
-}
-
-fn wide(points: &[[f32; 3]]) -> Vec<[f64; 3]> {
-    points.iter().map(|point| point.map(f64::from)).collect()
 }

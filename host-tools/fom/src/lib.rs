@@ -11,6 +11,7 @@ pub mod initial;
 pub mod integrator;
 pub mod mass_matrix;
 pub mod measures;
+pub mod mechanics;
 pub mod membrane;
 pub mod mesh;
 mod parameters;
