@@ -100,7 +100,7 @@ impl Check {
     }
 }
 
-/// Both discretisations of the membrane, by name.
+/// Both discretisations of the membrane, by name. Without bending, which the references in free space do not have.
 const MEMBRANES: [(&str, MembraneDiscretisation); 2] = [
     (
         "harmonics",
