@@ -18,6 +18,7 @@ mod progress;
 mod record;
 mod solver_options;
 mod study_leave_one_out;
+mod study_smoothness;
 mod study_speed;
 mod sweep;
 
@@ -104,6 +105,8 @@ enum Offline {
 enum Study {
     /// Predict each sample from all the others and compare
     LeaveOneOut(study_leave_one_out::Options),
+    /// How smooth the samples of a database are along its rows: the floor of a model's error
+    Smoothness(study_smoothness::Options),
     /// Time of a query, a trajectory, a surface, an outline
     Speed(study_speed::Options),
 }
@@ -121,6 +124,7 @@ fn main() -> ExitCode {
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
+        Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Speed(options)) => study_speed::run(&options),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Arguments::command(), "capsule-rom", &mut std::io::stdout());

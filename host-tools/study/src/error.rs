@@ -1,6 +1,7 @@
 //! Why a study came to nothing.
 
 use capsule_core::EvaluateError;
+use capsule_database::DatabaseError;
 use capsule_offline::OfflineError;
 
 /// An error of a study.
@@ -10,6 +11,9 @@ pub enum StudyError {
     /// No model could be built from the database.
     #[error(transparent)]
     Offline(#[from] OfflineError),
+    /// The database cannot be read.
+    #[error(transparent)]
+    Database(#[from] DatabaseError),
     /// The model did not answer.
     #[error("the model cannot be evaluated: {0}")]
     Evaluate(EvaluateError),

@@ -15,7 +15,7 @@ use crate::{StudyError, name};
 pub struct Report {
     /// The method that the model takes unless told otherwise.
     pub default: &'static str,
-    /// How many samples were left out, one after the other.
+    /// How many samples the errors are over.
     pub samples: usize,
     /// For each method, the errors over all samples at each instant.
     pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
@@ -52,7 +52,8 @@ pub struct SampleErrors {
     pub shape_percent: Vec<f64>,
 }
 
-/// Leaves out every steady sample of the database in turn and measures both methods at t = 1, 2, 4 and 8.
+/// Leaves out every sample of the database in turn and measures both methods at t = 0.1, 1, 2, 4, 8 and 20, as far as the
+/// database has snapshots there, at the samples in the domain that the model answers for.
 ///
 /// The model is built again without the sample, all of it: POD, coefficients, interpolation. A sample on the row that
 /// two clusters share is judged by the cluster that answers there.
@@ -61,20 +62,20 @@ pub struct SampleErrors {
 /// [`StudyError::Offline`] when the database gives no model.
 pub fn leave_one_out(database: &Database, settings: &Settings, progress: Progress) -> Result<Report, StudyError> {
     let settings = Settings {
-        error_times: vec![1.0, 2.0, 4.0, 8.0],
+        error_times: vec![0.1, 1.0, 2.0, 4.0, 8.0, 20.0],
         ..settings.clone()
     };
-    let errors = capsule_offline::leave_one_out(database, &settings, progress)?;
-    Ok(Report::new(&errors, &settings))
+    let (times, errors) = capsule_offline::leave_one_out(database, &settings, progress)?;
+    Ok(Report::new(&times, &errors, settings.default_method))
 }
 
 impl Report {
-    /// The report of given errors, measured with the same settings.
+    /// The report of given errors at given instants.
     #[must_use]
-    pub fn new(errors: &[LeftOut], settings: &Settings) -> Self {
+    pub fn new(times: &[f64], errors: &[LeftOut], default: Method) -> Self {
         let percent = |fractions: &[f64]| fractions.iter().map(|f| 100.0 * f).collect();
         let mut report = Report {
-            default: name(settings.default_method),
+            default: name(default),
             samples: 0,
             methods: BTreeMap::new(),
             values: BTreeMap::new(),
@@ -82,7 +83,7 @@ impl Report {
         for method in [Method::Direct, Method::Paper] {
             let values: Vec<SampleErrors> = errors
                 .iter()
-                .filter(|e| e.answers && e.method == method)
+                .filter(|e| e.answers && e.inside && e.method == method)
                 .map(|e| SampleErrors {
                     capillary_number: e.parameters[0],
                     confinement: e.parameters[1],
@@ -90,7 +91,7 @@ impl Report {
                     shape_percent: percent(&e.shape),
                 })
                 .collect();
-            let instants = settings.error_times.iter().enumerate().map(|(i, t)| {
+            let instants = times.iter().enumerate().map(|(i, t)| {
                 let (lab_mean_percent, lab_max_percent) = mean_and_max(values.iter().map(|v| v.lab_percent[i]));
                 let (shape_mean_percent, shape_max_percent) = mean_and_max(values.iter().map(|v| v.shape_percent[i]));
                 InstantErrors {
@@ -142,6 +143,7 @@ mod tests {
             parameters: [0.1, 0.9],
             cluster: 0,
             answers,
+            inside: true,
             method,
             laboratory: vec![laboratory, 2.0 * laboratory],
             shape: vec![shape, shape],
@@ -151,18 +153,17 @@ mod tests {
 
     #[test]
     fn means_and_maxima_are_over_the_answering_cluster_in_per_cent() {
+        let mut outside = error(Method::Direct, true, 9.0, 9.0);
+        outside.inside = false;
         let errors = [
+            outside,
             error(Method::Direct, true, 0.01, 0.002),
             error(Method::Direct, false, 9.0, 9.0),
             error(Method::Direct, true, 0.03, 0.004),
             error(Method::Paper, true, 0.05, 0.05),
             error(Method::Paper, true, 0.05, 0.05),
         ];
-        let settings = Settings {
-            error_times: vec![1.0, 2.0],
-            ..Settings::default()
-        };
-        let report = Report::new(&errors, &settings);
+        let report = Report::new(&[1.0, 2.0], &errors, Method::Direct);
         assert_eq!((report.samples, report.default), (2, "direct"));
         let late = report.methods["direct"][1];
         assert_eq!(late.t, 2.0);

@@ -2,6 +2,7 @@
 
 mod error;
 mod leave_one_out;
+pub mod smoothness;
 pub mod speed;
 
 pub use error::StudyError;
