@@ -85,7 +85,7 @@ fn table(checks: &[Check]) -> Result<()> {
                     Reference::Range([low, high]) => format!("{} to {}", number(low), number(high)),
                 },
                 format!("{:.1e}", check.difference),
-                format!("{:.0e}", check.tolerance),
+                format!("{:.1e}", check.tolerance),
                 if check.passed { "pass" } else { "FAIL" }.to_owned(),
                 check.source.to_owned(),
             ]
@@ -107,7 +107,7 @@ fn table(checks: &[Check]) -> Result<()> {
 
 /// Nine significant digits at most, no trailing zeros.
 fn number(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-3 {
+    if value != 0.0 && value.abs() < 1e-4 {
         return format!("{value:.2e}");
     }
     let text = format!("{value:.8}");

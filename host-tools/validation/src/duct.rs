@@ -46,12 +46,13 @@ pub fn steady_capsule() -> Result<Vec<Check>, ValidationError> {
         })?;
         let outcome = run(&solver, 0.10, 0.90)?;
         let history = &outcome.history;
+        // The reference is by six-node elements, whose own error at this mesh is 0.7 % at the rear rim.
         let quantities = [
-            ("velocity/V", &history.centroid_velocity, 1.3413, 0.002),
-            ("length/l", &history.axial_length, 1.975, 0.005),
+            ("velocity/V", &history.centroid_velocity, 1.3413, 0.001),
+            ("length/l", &history.axial_length, 1.975, 0.01),
             ("half width/l", &history.half_width, 0.830, 0.005),
-            ("rear depth/l", &history.rear_depth, 0.346, 0.005),
-            ("pressure drop l/(mu V)", &history.pressure_drop, 7.80, 0.03),
+            ("rear depth/l", &history.rear_depth, 0.346, 0.01),
+            ("pressure drop l/(mu V)", &history.pressure_drop, 7.80, 0.02),
         ];
         for (quantity, column, reference, tolerance) in quantities {
             checks.push(Check::new(
@@ -59,7 +60,7 @@ pub fn steady_capsule() -> Result<Vec<Check>, ValidationError> {
                 last(column),
                 reference,
                 tolerance,
-                "a second implementation, mesh 13",
+                "another implementation, elements, mesh 13",
             ));
         }
         // To the eye: the length stays within 0.01 l from then on.
@@ -73,7 +74,7 @@ pub fn steady_capsule() -> Result<Vec<Check>, ValidationError> {
             .last()
             .map_or(f64::NAN, |(t, _)| *t);
         checks.push(Check::new(
-            format!("steady at (0.10, 0.90): length within 0.01 l of the last, from t, {name}"),
+            format!("steady at (0.10, 0.90): length settled to 0.01 l, t, {name}"),
             since,
             [0.0, 3.0],
             0.0,
