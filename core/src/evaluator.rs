@@ -78,7 +78,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         workspace.weights = match query.method {
             Method::Direct => {
                 let scratch = workspace.scratch.as_flattened_mut();
-                Weights::kernel(&contents.kernel, samples, parameters, None, scratch)?
+                let limit = |confinement| self.model.steady_limit(confinement);
+                Weights::kernel(&contents.kernel, limit, samples, parameters, None, scratch)?
             }
             Method::Paper => Weights::diffuse(&contents.paper, samples, parameters, None)?,
         };

@@ -14,12 +14,14 @@ const HEADER: usize = 16;
 fn what_was_written_is_read_in_place() {
     let family = Family::new(2);
     let mut arena = Arena::default();
-    let contents = family.contents(&mut arena);
+    let mut contents = family.contents(&mut arena);
+    contents.steady_limit = changed(&contents.steady_limit, 3, 0.13);
+    contents.steady_limit = changed(&contents.steady_limit, 5, 0.05);
     let file = write(&contents);
     let model = Model::open(&file).unwrap();
     assert_eq!(model.digest(), u32::from_le_bytes(file[12..16].try_into().unwrap()));
     assert_eq!(model.end_time(), 4.0);
-    for (confinement, limit) in [(0.5_f64, 0.14), (0.825, 0.135), (2.0, 0.05)] {
+    for (confinement, limit) in [(0.5_f64, 0.14), (0.825, 0.135), (1.05, 0.09), (2.0, 0.05)] {
         assert!((model.steady_limit(confinement) - limit).abs() < 1e-7);
     }
 
@@ -212,6 +214,8 @@ fn wrong_numbers_are_refused() {
     number("times")(refused(|c| c.times = changed(&c.times, 0, 0.01)));
     number("error times")(refused(|c| c.error_times = changed(&c.error_times, 1, f32::NAN)));
     number("steady limit")(refused(|c| c.steady_limit = changed(&c.steady_limit, 2, 0.7)));
+    let error = refused(|c| c.steady_limit = changed(&c.steady_limit, 3, 0.0));
+    assert!(matches!(error, OpenError::Setting { value: 0.0, .. }), "{error}");
     number("sector's reference nodes")(refused(|c| {
         c.mesh.sector_reference = changed(&c.mesh.sector_reference, 4, 0.0);
     }));

@@ -35,7 +35,7 @@ fn parameters_are_judged() {
             matches!(
                 error,
                 EvaluateError::OutsideDomain {
-                    capillary_range: [0.005, 0.14],
+                    capillary_range: [0.005, 0.2],
                     ..
                 }
             ),
@@ -43,9 +43,9 @@ fn parameters_are_judged() {
         );
         assert_eq!(prepare(0.3, 0.9, true), Ok(Domain::Outside));
         assert_eq!(prepare(0.05, 0.6, true), Ok(Domain::Outside));
-        let error = prepare(0.1, 1.15, false).unwrap_err();
+        let error = prepare(0.15, 1.15, false).unwrap_err();
         assert!(matches!(error, EvaluateError::BeyondSteadyLimit { .. }), "{error}");
-        assert_eq!(prepare(0.1, 1.15, true), Ok(Domain::BeyondSteadyLimit));
+        assert_eq!(prepare(0.15, 1.15, true), Ok(Domain::BeyondSteadyLimit));
         for bad in [f64::NAN, f64::INFINITY, 0.0, -0.1] {
             for extrapolate in [false, true] {
                 let error = prepare(bad, 0.9, extrapolate).unwrap_err();

@@ -1,5 +1,9 @@
 //! Quintic kernel with a quadratic tail on the nearest samples.
 //!
+//! Distances are taken in a plane in which the solution varies evenly, see [`place`]: fast at small Ca, where the square
+//! root stretches it, and along the steady limit Ca_lim(a/l), which the plane lays more nearly parallel to an axis, so that
+//! a query near the limit finds samples as near to it on the rows beside its own.
+//!
 //! The weights minimise the error's variance under the generalised covariance -r^5, subject to the exact reproduction
 //! of quadratics. They are found in the null space of the constraints, where the kernel's matrix is positive definite:
 //! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
@@ -14,9 +18,15 @@ use crate::model::wire::Kernel;
 /// Degree of the tail.
 const DEGREE: usize = 2;
 
+/// Where parameters (Ca, a/l) lie in the plane of distances: (s sqrt(Ca) / Ca_lim(a/l)^(1/4), a/l).
+fn place<T: Real>(scale: T, limit: impl Fn(T) -> T, [capillary_number, confinement]: [T; 2]) -> [T; 2] {
+    let root = limit(confinement).sqrt();
+    [scale * (capillary_number.max(T::ZERO) / root).sqrt(), confinement]
+}
+
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by the quintic kernel. `left_out` is a sample that takes
-    /// no part. `scratch` holds N^2 entries.
+    /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by the quintic kernel. `limit` is Ca_lim(a/l) > 0.
+    /// `left_out` is a sample that takes no part. `scratch` holds N^2 entries.
     ///
     /// Where the nearest samples lie on a curve of second degree or on a line, the monomials that they cannot tell
     /// apart are left out of the tail.
@@ -26,15 +36,18 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// [`EvaluateError::BufferTooShort`] for the scratch.
     pub fn kernel(
         settings: &Kernel,
+        limit: impl Fn(T) -> T,
         samples: impl Iterator<Item = [T; 2]>,
         query: [T; 2],
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<Self, EvaluateError> {
         let scale = T::from_f64(settings.capillary_scale);
-        let root = |capillary_number: T| scale * capillary_number.max(T::ZERO).sqrt();
-        let origin = [root(query[0]), query[1]];
-        let offsets = samples.map(|sample| [root(sample[0]) - origin[0], sample[1] - origin[1]]);
+        let origin = place(scale, &limit, query);
+        let offsets = samples.map(|sample| {
+            let place = place(scale, &limit, sample);
+            [place[0] - origin[0], place[1] - origin[1]]
+        });
         let mut neighbours = [Neighbour::NONE; N];
         let wanted = usize::from(settings.neighbours).min(N);
         let n = nearest(offsets, left_out, part_mut(&mut neighbours, 0..wanted));

@@ -159,6 +159,11 @@ mod tests {
         window: 2.0,
     };
 
+    /// A steady limit.
+    fn limit<T: Real>(confinement: T) -> T {
+        T::from_f64(0.3) - T::from_f64(0.2) * confinement
+    }
+
     /// A grid of samples, 20 x `rows`.
     fn grid<T: Real>(rows: usize) -> impl Iterator<Item = [T; 2]> + Clone {
         (0..20 * rows).map(|i| {
@@ -171,7 +176,7 @@ mod tests {
         let query = query.map(T::from_f64);
         let mut scratch = [T::ZERO; N * N];
         let weights = if kernel {
-            Weights::kernel(&KERNEL, grid(rows), query, left_out, &mut scratch)
+            Weights::kernel(&KERNEL, limit, grid(rows), query, left_out, &mut scratch)
         } else {
             Weights::diffuse(&PAPER, grid(rows), query, left_out)
         };
@@ -193,7 +198,7 @@ mod tests {
     fn both_reproduce_quadratics_in_their_coordinates() {
         for query in QUERIES {
             let root = |[ca, y]: [f64; 2]| {
-                let x = ca.sqrt();
+                let x = (ca / limit(y).sqrt()).sqrt();
                 1.0 + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
             };
             let found = interpolate(&weights::<f64>(true, 10, query, None), 10, root);

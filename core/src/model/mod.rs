@@ -96,16 +96,23 @@ impl<'a> Model<'a> {
         times.get(times.rows().saturating_sub(1), 0)
     }
 
-    /// The largest Ca that has a steady state at a confinement, linear between the stored points.
+    /// The largest Ca that has a steady state at a confinement, linear between the stored points and constant beyond.
     pub fn steady_limit<T: Real>(&self, confinement: T) -> T {
         let limit = MatrixView::new(&self.contents.steady_limit);
-        let point = |i| (T::from_f32(limit.get(i, 0)), T::from_f32(limit.get(i, 1)));
-        let upper = (0..limit.rows())
-            .find(|&i| point(i).0 >= confinement)
-            .unwrap_or(limit.rows() - 1);
-        let (x1, y1) = point(upper);
-        let (x0, y0) = point(upper.saturating_sub(1));
-        if upper == 0 || confinement >= x1 {
+        let point = |i| [0, 1].map(|column| T::from_f32(limit.get(i, column)));
+        let (mut low, mut high) = (0, limit.rows().saturating_sub(1));
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            *(if confinement < point(middle)[0] {
+                &mut high
+            } else {
+                &mut low
+            }) = middle;
+        }
+        let ([x0, y0], [x1, y1]) = (point(low), point(high));
+        if confinement <= x0 {
+            y0
+        } else if confinement >= x1 {
             y1
         } else {
             y0 + (y1 - y0) * (confinement - x0) / (x1 - x0)

@@ -28,7 +28,15 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
     }
     let error_times = rising("error times", &contents.error_times, 1)?;
     dimension("columns of the steady limit", 2, contents.steady_limit.columns)?;
-    rising("steady limit", &contents.steady_limit, 1)?;
+    let limit = rising("steady limit", &contents.steady_limit, 1)?;
+    for row in 0..limit.rows() {
+        setting(
+            "capillary number of the steady limit",
+            limit.get(row, 1).into(),
+            1e-6,
+            1e6,
+        )?;
+    }
 
     let kernel = &contents.kernel;
     setting("neighbours of the kernel", kernel.neighbours.into(), 1.0, 1e4)?;

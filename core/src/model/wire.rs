@@ -169,7 +169,7 @@ pub enum Method {
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u16,
-    /// s in the coordinates (s sqrt(Ca), a/l) in which distances are taken.
+    /// s in the coordinates (s sqrt(Ca) / Ca_lim(a/l)^(1/4), a/l) in which distances are taken.
     pub capillary_scale: f64,
 }
 

@@ -258,7 +258,8 @@ impl Family {
             a.u16s(sphere.diagonal.iter().copied());
             a.f32s(self.times.iter().map(|&t| f64::from(t)));
             a.f32s([1.0, 2.0]);
-            a.f32s([0.75, 0.14, 0.9, 0.13, 1.2, 0.05]);
+            // The same everywhere: then Ca is a quadratic in the kernel's coordinates too.
+            a.f32s([0.75, 0.14, 0.9, 0.14, 1.2, 0.14]);
             for (min, max) in clusters {
                 let samples = self.cluster_samples(min, max);
                 a.f32s(samples.iter().copied().flatten());
@@ -346,7 +347,7 @@ impl Family {
                     Parameter {
                         name: "capillary_number",
                         min: 0.005,
-                        max: 0.14,
+                        max: 0.2,
                     },
                     Parameter {
                         name: "confinement",

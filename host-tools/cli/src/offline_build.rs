@@ -105,9 +105,10 @@ fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 
 fn tell(report: &BuildReport, out: &Path) -> Result<()> {
     println!(
-        "{}: {} samples, {} bytes, digest {:08x}, from database {}",
+        "{}: {} samples ({} unsteady), {} bytes, digest {:08x}, from database {}",
         out.display(),
         report.samples,
+        report.unsteady_samples,
         report.bytes,
         report.digest,
         report.database_digest
@@ -138,6 +139,19 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
         ],
         &rows,
     )?;
+    println!();
+    let text = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
+    let rows: Vec<Vec<String>> = report
+        .steady_limit
+        .iter()
+        .map(|row| {
+            let bracket = [row.largest_steady_ca, row.smallest_unsteady_ca, row.limit];
+            std::iter::once(format!("{:.3}", row.confinement))
+                .chain(bracket.map(text))
+                .collect()
+        })
+        .collect();
+    print::table(&["a/l", "steady to Ca", "unsteady from Ca", "limit"], &rows)?;
     println!();
     let heading = [
         "matrix",

@@ -5,8 +5,9 @@ use capsule_database::Database;
 use serde::Serialize;
 
 use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
+use crate::limit::{SteadyLimit, brackets, curve};
 use crate::pod::{DoublePod, Rule, Snapshots};
-use crate::samples::{Part, SAME_ROW, Sample, clusters, read, steady_limit};
+use crate::samples::{Part, SAME_ROW, Sample, clusters, read};
 use crate::spectra::laboratory;
 use crate::writer::{ClusterParts, Domain, ErrorParts, MeshParts, Numbers, write};
 use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum, Truncation};
@@ -14,8 +15,14 @@ use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum, Truncation};
 /// What a build found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BuildReport {
-    /// Steady configurations in the model.
+    /// Configurations in the model.
     pub samples: usize,
+    /// Those of them that never became steady.
+    pub unsteady_samples: usize,
+    /// The instants of the leave-one-out errors.
+    pub error_times: Vec<f64>,
+    /// The bracket of the steady limit in each row of confinements.
+    pub steady_limit: Vec<SteadyLimit>,
     /// Length of the file.
     pub bytes: usize,
     /// The core's digest of the file.
@@ -58,7 +65,7 @@ pub struct FieldReport {
     pub parameter_error: f64,
 }
 
-/// Builds a model from the steady configurations of a database: the bytes of the file, and a report.
+/// Builds a model from the configurations of a database: the bytes of the file, and a report.
 ///
 /// Equal databases and settings give equal bytes.
 ///
@@ -104,7 +111,7 @@ pub fn build(
             }
             floors[m] = sum / cluster.part.members.len() as f64;
             built.parts.errors[m] = ErrorParts {
-                left_out: Numbers::new(of_method.len(), settings.error_times.len(), |j, i| {
+                left_out: Numbers::new(of_method.len(), plan.error_times().len(), |j, i| {
                     of_method[j].laboratory[i]
                 }),
                 deviation: Numbers::new(of_method.len(), 1, |j, _| of_method[j].deviation.max(1e-12)),
@@ -137,6 +144,9 @@ pub fn build(
     let digest = Model::open(&bytes).map_err(OfflineError::Invalid)?.digest();
     let report = BuildReport {
         samples: plan.samples.len(),
+        unsteady_samples: plan.samples.iter().filter(|s| !s.steady).count(),
+        error_times: plan.error_times().to_vec(),
+        steady_limit: plan.brackets,
         bytes: bytes.len(),
         digest,
         database_digest: plan.domain.database_digest,
@@ -158,12 +168,26 @@ fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
     }
 }
 
+/// Instants closer than this (l/V) are the same.
+const SAME_TIME: f64 = 1e-9;
+
+fn check_parameters(database: &Database) -> Result<(), OfflineError> {
+    let parameters = &database.description().parameters;
+    let found: Vec<String> = parameters.iter().map(|p| p.name.clone()).collect();
+    if found == ["capillary_number", "confinement"] {
+        Ok(())
+    } else {
+        Err(OfflineError::WrongParameters { found })
+    }
+}
+
 /// Everything that is the same for all models built from a database: with all its samples, or without one.
 pub(crate) struct Plan<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) samples: Vec<Sample>,
     mesh: MeshParts,
     domain: Domain,
+    brackets: Vec<SteadyLimit>,
     parts: Vec<Part>,
     nodes: usize,
 }
@@ -184,36 +208,80 @@ pub(crate) struct Built {
 impl<'a> Plan<'a> {
     pub(crate) fn new(database: &Database, settings: &'a Settings, progress: Progress) -> Result<Self, OfflineError> {
         settings.validate()?;
+        check_parameters(database)?;
         let mesh = MeshParts::new(database)?;
-        let samples = read(database, &settings.error_times, progress)?;
+        let entries = database.entries()?;
+        let brackets = brackets(&entries);
+        let has = |time: f64| database.times().iter().any(|t| (t - time).abs() < SAME_TIME);
+        let error_times: Vec<f64> = settings.error_times.iter().copied().filter(|t| has(*t)).collect();
+        let samples = read(database, &entries, &brackets, settings, &error_times, progress)?;
         let parts = clusters(&samples, settings.split)?;
         let range = |d: usize| {
-            let values = samples.iter().map(|s| s.parameters[d]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])
+            let values = samples.iter().filter(|s| s.steady).map(|s| s.parameters[d]);
+            let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+            [low.max(settings.domain[d][0]), high.min(settings.domain[d][1])]
         };
+        let ranges = [range(0), range(1)];
+        if ranges.iter().any(|[low, high]| low > high) || error_times.is_empty() {
+            return Err(OfflineError::Unsampled {
+                domain: settings.domain,
+                error_times: settings.error_times.clone(),
+            });
+        }
         let domain = Domain {
-            ranges: [range(0), range(1)],
-            steady_limit: steady_limit(&samples),
+            ranges,
+            steady_limit: curve(&brackets),
             times: database.times().to_vec(),
+            error_times,
             database_digest: format!("{:016x}", database.digest()?),
         };
         Ok(Plan {
             settings,
             mesh,
             domain,
+            brackets,
             parts,
             nodes: database.mesh().nodes.len(),
             samples,
         })
     }
 
+    /// The instants of the errors at which there are snapshots.
+    pub(crate) fn error_times(&self) -> &[f64] {
+        &self.domain.error_times
+    }
+
+    /// Whether a sample lies in the domain that the model answers for.
+    pub(crate) fn inside(&self, sample: &Sample) -> bool {
+        let ranges = sample.parameters.iter().zip(self.domain.ranges);
+        sample.steady
+            && ranges
+                .into_iter()
+                .all(|(v, [low, high])| *v > low - SAME_ROW && *v < high + SAME_ROW)
+    }
+
+    /// How displacement and velocity are truncated.
+    fn rules(&self) -> [Rule; 2] {
+        match self.settings.truncation {
+            Truncation::Tolerance { displacement, velocity } => [displacement, velocity].map(Rule::Tolerance),
+            Truncation::Ranks { displacement, velocity } => [displacement, velocity].map(Rule::Ranks),
+        }
+    }
+
     /// The snapshots of each cluster.
     pub(crate) fn reduce(&self) -> Result<Vec<Reduced>, OfflineError> {
         let reduce = |part: &Part| {
             let samples = || part.members.iter().map(|j| &self.samples[*j]);
+            let [first, second] = self.rules();
             let (displacement, velocity) = rayon::join(
-                || Snapshots::new(&samples().map(|s| &s.displacement).collect::<Vec<_>>(), self.nodes),
-                || Snapshots::new(&samples().map(|s| &s.velocity).collect::<Vec<_>>(), self.nodes),
+                || {
+                    Snapshots::new(
+                        &samples().map(|s| &s.displacement).collect::<Vec<_>>(),
+                        self.nodes,
+                        first,
+                    )
+                },
+                || Snapshots::new(&samples().map(|s| &s.velocity).collect::<Vec<_>>(), self.nodes, second),
             );
             Ok(Reduced {
                 part: part.clone(),
@@ -226,10 +294,7 @@ impl<'a> Plan<'a> {
 
     /// Builds a cluster from those of its samples whose places are in `keep`.
     pub(crate) fn cluster(&self, cluster: &Reduced, keep: &[usize]) -> Result<Built, OfflineError> {
-        let rules = match self.settings.truncation {
-            Truncation::Tolerance { displacement, velocity } => [displacement, velocity].map(Rule::Tolerance),
-            Truncation::Ranks { displacement, velocity } => [displacement, velocity].map(Rule::Ranks),
-        };
+        let rules = self.rules();
         let displacement = cluster.displacement.reduce(keep, rules[0])?;
         let velocity = cluster.velocity.reduce(keep, rules[1])?;
         let parameters: Vec<[f64; 2]> = keep
@@ -237,7 +302,8 @@ impl<'a> Plan<'a> {
             .map(|j| self.samples[cluster.part.members[*j]].parameters)
             .collect();
         let fields = [(&cluster.displacement, &displacement), (&cluster.velocity, &velocity)];
-        let parts = ClusterParts::new(cluster.part.range, &parameters, fields, &self.mesh, self.settings);
+        let errors = self.error_times().len();
+        let parts = ClusterParts::new(cluster.part.range, &parameters, fields, &self.mesh, errors);
         Ok(Built {
             parts,
             pods: [displacement, velocity],

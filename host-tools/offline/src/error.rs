@@ -16,8 +16,16 @@ pub enum OfflineError {
         /// The parameters' names.
         found: Vec<String>,
     },
-    /// There are too few steady configurations.
-    #[error("{found} steady configurations with a/l in [{}, {}]; at least {needed} are needed", range[0], range[1])]
+    /// No sample lies in the domain, or no snapshot at an instant of the errors.
+    #[error("no sample in Ca {:?}, a/l {:?}, or no snapshot at any of t = {error_times:?}", domain[0], domain[1])]
+    Unsampled {
+        /// The domain that was asked for.
+        domain: [[f64; 2]; 2],
+        /// The instants of the errors that were asked for.
+        error_times: Vec<f64>,
+    },
+    /// There are too few configurations.
+    #[error("{found} configurations with a/l in [{}, {}]; at least {needed} are needed", range[0], range[1])]
     TooFewSamples {
         /// The confinements of the cluster.
         range: [f64; 2],

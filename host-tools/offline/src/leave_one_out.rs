@@ -32,9 +32,11 @@ pub struct LeftOut {
     pub cluster: usize,
     /// Whether this is the cluster that answers a query at the sample.
     pub answers: bool,
+    /// Whether the sample lies in the domain that the model answers for.
+    pub inside: bool,
     /// The method.
     pub method: Method,
-    /// Modified Hausdorff distance in the laboratory frame at each of the settings' `error_times`, as a fraction of a.
+    /// Modified Hausdorff distance in the laboratory frame at each instant of the errors, as a fraction of a.
     pub laboratory: Vec<f64>,
     /// The same in the frame of the volume centroid: of the shape alone.
     pub shape: Vec<f64>,
@@ -42,10 +44,11 @@ pub struct LeftOut {
     pub deviation: f64,
 }
 
-/// Leaves out every steady sample of the database in turn: builds its cluster again without it, POD and all, predicts
+/// Leaves out every sample in turn: builds its cluster again without it, POD and all, predicts
 /// it through capsule-core by both methods, and compares with the full-order solution.
 ///
-/// The instants are the settings' `error_times`. Results are in the order of the clusters, samples and methods.
+/// The instants are those of the settings' `error_times` at which the database has snapshots; they come first. Results are in
+/// the order of the clusters, samples and methods.
 ///
 /// # Errors
 /// As [`crate::build`].
@@ -53,10 +56,11 @@ pub fn leave_one_out(
     database: &Database,
     settings: &Settings,
     progress: Progress,
-) -> Result<Vec<LeftOut>, OfflineError> {
+) -> Result<(Vec<f64>, Vec<LeftOut>), OfflineError> {
     let plan = Plan::new(database, settings, progress)?;
     let reduced = plan.reduce()?;
-    plan_leave_one_out(&plan, &reduced, progress)
+    let errors = plan_leave_one_out(&plan, &reduced, progress)?;
+    Ok((plan.error_times().to_vec(), errors))
 }
 
 pub(crate) fn plan_leave_one_out(
@@ -103,10 +107,11 @@ fn leave_out(plan: &Plan, index: usize, cluster: &Reduced, out: usize) -> Result
             parameters: sample.parameters,
             cluster: index,
             answers: plan.answering(sample.parameters[1]) == index,
+            inside: plan.inside(sample),
             method,
             laboratory,
             shape,
-            deviation: deviation(plan.settings, &all, out, method).map_err(failed)?,
+            deviation: deviation(&model, &all, out, method).map_err(failed)?,
         })
     };
     Ok([predicted(METHODS[0])?, predicted(METHODS[1])?])
@@ -152,14 +157,15 @@ pub(crate) fn errors(
 }
 
 /// The deviation of the weights with which sample `out` is predicted from the others.
-fn deviation(settings: &Settings, samples: &[[f64; 2]], out: usize, method: Method) -> Result<f64, EvaluateError> {
-    let (all, query) = (samples.iter().copied(), samples[out]);
+fn deviation(model: &Model, samples: &[[f64; 2]], out: usize, method: Method) -> Result<f64, EvaluateError> {
+    let (all, query, contents) = (samples.iter().copied(), samples[out], model.contents());
     let weights = match method {
         Method::Direct => {
             let mut scratch = vec![0.0; NEIGHBOURS * NEIGHBOURS];
-            Weights::<f64, NEIGHBOURS>::kernel(&settings.kernel, all, query, Some(out), &mut scratch)?
+            let limit = |confinement| model.steady_limit(confinement);
+            Weights::<f64, NEIGHBOURS>::kernel(&contents.kernel, limit, all, query, Some(out), &mut scratch)?
         }
-        Method::Paper => Weights::diffuse(&settings.paper, all, query, Some(out))?,
+        Method::Paper => Weights::diffuse(&contents.paper, all, query, Some(out))?,
     };
     Ok(weights.deviation())
 }

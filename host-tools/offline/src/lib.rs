@@ -16,19 +16,20 @@ mod build;
 mod error;
 mod hausdorff;
 mod leave_one_out;
+mod limit;
 mod pod;
 mod samples;
 mod settings;
 mod spectra;
 mod svd;
-
 mod writer;
 
 pub use build::{BuildReport, ClusterReport, FieldReport, build};
 pub use error::OfflineError;
 pub use hausdorff::modified_hausdorff;
 pub use leave_one_out::{LeftOut, leave_one_out};
-pub use settings::{Ranks, Settings, Truncation};
+pub use limit::SteadyLimit;
+pub use settings::{Design, Ranks, Settings, Truncation};
 pub use spectra::{Spectrum, one_minus_ric};
 
 /// Progress of a long task: what is done, how many steps of it are finished, and of how many.

@@ -8,9 +8,11 @@ use crate::settings::MAX_RANK;
 use crate::svd::left_singular;
 use crate::{OfflineError, Ranks};
 
-/// Root-mean-square error (l or V) of the basis in which the snapshots of a cluster are kept while models are built and
-/// rebuilt; as fine as the snapshots themselves.
-const WORKING_ERROR: f64 = 1e-7;
+/// Root-mean-square error of the basis in which the snapshots of a cluster are kept while models are built and rebuilt:
+/// as a share of the tolerance of the models' own, and (l or V) where they have fixed ranks. Snapshots carry rounding of
+/// 2e-7 and more, which a finer basis would span.
+const WORKING_SHARE: f64 = 0.03;
+const WORKING_ERROR: f64 = 1e-6;
 
 /// The snapshots of one field of a cluster, in coordinates of an orthonormal basis that spans all of them.
 ///
@@ -34,6 +36,16 @@ pub(crate) enum Rule {
     Ranks(Ranks),
 }
 
+impl Rule {
+    /// Root-mean-square error of the working basis.
+    fn working_error(self) -> f64 {
+        match self {
+            Rule::Tolerance(tolerance) => WORKING_SHARE * tolerance,
+            Rule::Ranks(_) => WORKING_ERROR,
+        }
+    }
+}
+
 /// A field as the model keeps it: value(t_i, theta_j) = Phi A(t_i) Psi_j^T.
 pub(crate) struct DoublePod {
     /// Shape modes `[r, K - 1]` in the coordinates of the snapshots' basis.
@@ -49,10 +61,11 @@ pub(crate) struct DoublePod {
 }
 
 impl Snapshots {
-    pub(crate) fn new(states: &[&State], nodes: usize) -> Result<Self, OfflineError> {
+    /// The snapshots of some samples, to be reduced by a rule.
+    pub(crate) fn new(states: &[&State], nodes: usize, rule: Rule) -> Result<Self, OfflineError> {
         let stacked = hstack(&states.iter().map(|s| &s.shape).collect::<Vec<_>>());
         let (vectors, values) = left_singular(stacked.as_ref())?;
-        let rank = rank(&values, WORKING_ERROR, nodes * stacked.ncols());
+        let rank = rank(&values, rule.working_error(), nodes * stacked.ncols());
         let basis = vectors.subcols(0, rank).to_owned();
         let shape = states
             .iter()
@@ -183,7 +196,7 @@ mod tests {
     }
 
     fn snapshots(states: &[State]) -> Snapshots {
-        Snapshots::new(&states.iter().collect::<Vec<_>>(), 4).unwrap()
+        Snapshots::new(&states.iter().collect::<Vec<_>>(), 4, Rule::Tolerance(1e-6)).unwrap()
     }
 
     #[test]
@@ -264,7 +277,7 @@ mod tests {
         let states = states();
         let whole = snapshots(&states).reduce(&[0, 1, 3, 4], Rule::Tolerance(1e-6)).unwrap();
         let kept: Vec<&State> = [0, 1, 3, 4].iter().map(|j| &states[*j]).collect();
-        let alone = Snapshots::new(&kept, 4)
+        let alone = Snapshots::new(&kept, 4, Rule::Tolerance(1e-6))
             .unwrap()
             .reduce(&[0, 1, 2, 3], Rule::Tolerance(1e-6))
             .unwrap();

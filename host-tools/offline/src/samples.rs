@@ -1,10 +1,12 @@
-//! The samples: steady configurations of a database as states over the sector's nodes.
+//! The samples: configurations of a database as states over the sector's nodes.
 
-use capsule_database::{Database, Trajectory};
+use capsule_database::{Database, Entry, Trajectory};
 use faer::Mat;
 use rayon::prelude::*;
 
-use crate::{OfflineError, Progress};
+use crate::limit::SteadyLimit;
+use crate::settings::Design;
+use crate::{OfflineError, Progress, Settings};
 
 /// A field counts as symmetric below this deviation of a component (l or V). Databases keep fields to 2.4e-7.
 const SYMMETRIC: f64 = 1e-6;
@@ -21,10 +23,11 @@ pub(crate) struct State {
     pub(crate) shape: Mat<f64>,
 }
 
-/// One steady configuration.
+/// One configuration.
 pub(crate) struct Sample {
     /// (Ca, a/l)
     pub(crate) parameters: [f64; 2],
+    pub(crate) steady: bool,
     pub(crate) displacement: State,
     pub(crate) velocity: State,
     /// What a prediction is compared with.
@@ -39,27 +42,22 @@ pub(crate) struct Truth {
     pub(crate) centroid: f64,
 }
 
-/// Reads all steady configurations of a database, extended by rigid translation to its end time; the truth is kept at
-/// `truth_times`.
+/// Reads the configurations of a database that take part; a steady one is extended by rigid translation to the end time.
+/// The truth is kept at `truth_times`.
 ///
 /// # Errors
-/// [`OfflineError::WrongParameters`], [`OfflineError::NotSymmetric`], or the database's errors.
-pub(crate) fn read(database: &Database, truth_times: &[f64], progress: Progress) -> Result<Vec<Sample>, OfflineError> {
-    let names: Vec<&str> = database
-        .description()
-        .parameters
+/// [`OfflineError::NotSymmetric`], or the database's errors.
+pub(crate) fn read(
+    database: &Database,
+    entries: &[Entry],
+    limits: &[SteadyLimit],
+    settings: &Settings,
+    truth_times: &[f64],
+    progress: Progress,
+) -> Result<Vec<Sample>, OfflineError> {
+    let entries: Vec<_> = entries
         .iter()
-        .map(|p| p.name.as_str())
-        .collect();
-    if names != ["capillary_number", "confinement"] {
-        return Err(OfflineError::WrongParameters {
-            found: names.into_iter().map(str::to_owned).collect(),
-        });
-    }
-    let entries: Vec<_> = database
-        .entries()?
-        .into_iter()
-        .filter(|e| e.status.is_steady() && e.snapshots > 0)
+        .filter(|entry| takes_part(entry, database.times().len(), limits, settings))
         .collect();
     let done = std::sync::atomic::AtomicUsize::new(0);
     let samples = entries.par_iter().map(|entry| {
@@ -72,6 +70,33 @@ pub(crate) fn read(database: &Database, truth_times: &[f64], progress: Progress)
         Ok(sample)
     });
     samples.collect()
+}
+
+/// Whether a configuration is a sample: steady and of the design, or unsteady within reach of the limit with all its
+/// snapshots.
+fn takes_part(entry: &Entry, instants: usize, limits: &[SteadyLimit], settings: &Settings) -> bool {
+    let [capillary_number, confinement] = [entry.parameters[0], entry.parameters[1]];
+    let chosen = match settings.design {
+        Design::All => true,
+        Design::Paper => {
+            let multiple = |value: f64, step: f64| (value / step - (value / step).round()).abs() < 1e-6;
+            let grid = multiple(capillary_number, 0.01) || (capillary_number - 0.005).abs() < 1e-9;
+            let [(low, high), (narrow, wide)] = [(0.005, 0.20), (0.75, 1.20)];
+            let inside = |value: f64, low, high| value > low - 1e-9 && value < high + 1e-9;
+            grid && multiple(confinement, 0.05)
+                && inside(capillary_number, low, high)
+                && inside(confinement, narrow, wide)
+                && entry.status.is_steady()
+        }
+    };
+    let row = limits.iter().find(|l| (l.confinement - confinement).abs() <= SAME_ROW);
+    let complete = if entry.status.is_steady() {
+        entry.snapshots > 0
+    } else {
+        let reach = row.and_then(|row| row.largest_steady_ca).unwrap_or(0.0) + settings.beyond;
+        entry.snapshots == instants && capillary_number <= reach
+    };
+    chosen && complete
 }
 
 fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Result<Sample, OfflineError> {
@@ -132,6 +157,7 @@ fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Resu
         .collect();
     Ok(Sample {
         parameters: [capillary_number, confinement],
+        steady: stored.status.is_steady(),
         displacement,
         velocity,
         truth,
@@ -178,18 +204,4 @@ pub(crate) fn clusters(samples: &[Sample], split: f64) -> Result<Vec<Part>, Offl
         clusters.push(Part { range, members });
     }
     Ok(clusters)
-}
-
-/// The largest sampled capillary number of each row of confinements, ascending: (a/l, Ca).
-pub(crate) fn steady_limit(samples: &[Sample]) -> Vec<[f64; 2]> {
-    let mut points: Vec<[f64; 2]> = samples.iter().map(|s| [s.parameters[1], s.parameters[0]]).collect();
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(b[1].total_cmp(&a[1])));
-    points.dedup_by(|later, kept| {
-        let same = (later[0] - kept[0]).abs() <= SAME_ROW;
-        if same {
-            kept[1] = kept[1].max(later[1]);
-        }
-        same
-    });
-    points
 }

@@ -17,6 +17,14 @@ pub struct Settings {
     pub membrane_law: String,
     /// When the model is made, in seconds since 1970 (UTC). Given from outside, so that equal input gives equal bytes.
     pub created_unix_s: u64,
+    /// Which configurations take part.
+    pub design: Design,
+    /// The domain that the model answers for, where it is sampled: least and greatest Ca, least and greatest a/l. Samples
+    /// beyond it make its borders interior.
+    pub domain: [[f64; 2]; 2],
+    /// How far beyond the largest steady Ca of their row unsteady configurations take part, if they are recorded to the
+    /// end time.
+    pub beyond: f64,
     /// The confinement at which the two clusters meet. The default is where the initial shape changes from a sphere to
     /// an ellipsoid.
     pub split: f64,
@@ -28,8 +36,18 @@ pub struct Settings {
     pub paper: Paper,
     /// The method that a reader of the model takes unless told otherwise.
     pub default_method: Method,
-    /// The instants at which the leave-one-out errors are measured, in l/V; snapshots must exist there.
+    /// The instants at which the leave-one-out errors are measured, in l/V, as far as the database has snapshots there.
     pub error_times: Vec<f64>,
+}
+
+/// Which configurations of a database take part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Design {
+    /// All.
+    All,
+    /// The steady ones on the paper's grid: Ca 0.005 and 0.01 to 0.20 by 0.01; a/l 0.75 to 1.20 by 0.05.
+    Paper,
 }
 
 /// How many modes are kept.
@@ -82,6 +100,9 @@ impl Default for Settings {
             title: "Microcapsule in a square microchannel".to_owned(),
             membrane_law: "neo-Hookean".to_owned(),
             created_unix_s: 0,
+            design: Design::All,
+            domain: [[0.005, 0.20], [0.75, 1.20]],
+            beyond: 0.0,
             split: 0.9,
             truncation: Truncation::Tolerance {
                 displacement: 1e-4,
@@ -100,7 +121,7 @@ impl Default for Settings {
                 window: 2.0,
             },
             default_method: Method::Direct,
-            error_times: vec![1.0, 2.0, 4.0, 8.0, 20.0],
+            error_times: vec![0.02, 0.1, 0.4, 1.0, 2.0, 4.0, 8.0, 20.0],
         }
     }
 }
@@ -109,6 +130,14 @@ impl Settings {
     /// Checks what the types leave open.
     pub(crate) fn validate(&self) -> Result<(), OfflineError> {
         let bad = |name, value, expected| Err(OfflineError::BadSetting { name, value, expected });
+        for ([low, high], name) in self.domain.into_iter().zip(["domain of Ca", "domain of a/l"]) {
+            if !(low > 0.0 && low <= high && high.is_finite()) {
+                return bad(name, low, "positive bounds, the lower one first");
+            }
+        }
+        if !(self.beyond.is_finite() && self.beyond >= 0.0) {
+            return bad("beyond", self.beyond, "a number that is not negative");
+        }
         if !(self.split.is_finite() && self.split > 0.0) {
             return bad("split", self.split, "a positive confinement");
         }

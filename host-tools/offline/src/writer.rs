@@ -205,9 +205,9 @@ impl ClusterParts {
         parameters: &[[f64; 2]],
         [displacement, velocity]: [(&Snapshots, &DoublePod); 2],
         mesh: &MeshParts,
-        settings: &Settings,
+        error_times: usize,
     ) -> Self {
-        let unknown = || ErrorParts::unknown(parameters.len(), settings.error_times.len());
+        let unknown = || ErrorParts::unknown(parameters.len(), error_times);
         let [modes_u, modes_v] = [displacement, velocity].map(|(snapshots, pod)| snapshots.modes_at_nodes(pod));
         let shape = product(&modes_u.transpose().to_owned(), &modes_v);
         let cross_product = Numbers::new(shape.nrows() + 1, shape.ncols() + 1, |k, l| match (k, l) {
@@ -246,6 +246,8 @@ pub(crate) struct Domain {
     /// (a/l, Ca)
     pub(crate) steady_limit: Vec<[f64; 2]>,
     pub(crate) times: Vec<f64>,
+    /// The instants of the leave-one-out errors.
+    pub(crate) error_times: Vec<f64>,
     pub(crate) database_digest: String,
 }
 
@@ -266,7 +268,7 @@ pub(crate) fn write(
     })
     .unwrap_or_default();
     let times = Numbers::column(&domain.times);
-    let error_times = Numbers::column(&settings.error_times);
+    let error_times = Numbers::column(&domain.error_times);
     let limit = Numbers::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
     let parameter = |name, d: usize| Parameter {
         name,

@@ -5,12 +5,15 @@ mod support;
 use capsule_core::model::wire::Method;
 use capsule_core::{Domain, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::{Database, Description, Status};
-use capsule_offline::{OfflineError, Settings, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric};
+use capsule_offline::{
+    Design, OfflineError, Settings, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric,
+};
 use support::{database, octahedral, trajectory};
 
 fn settings() -> Settings {
     Settings {
-        error_times: vec![1.0, 2.0],
+        // Snapshots are 0.2 apart, up to t = 2.
+        error_times: vec![0.1, 1.0, 2.0, 8.0],
         truncation: Truncation::Tolerance {
             displacement: 1e-6,
             velocity: 1e-6,
@@ -81,7 +84,8 @@ fn the_model_returns_the_family_between_its_samples() {
 fn leaving_a_sample_out_changes_nothing_for_the_family() {
     let directory = tempfile::tempdir().unwrap();
     let database = database(directory.path());
-    let errors = leave_one_out(&database, &settings(), &quiet).unwrap();
+    let (times, errors) = leave_one_out(&database, &settings(), &quiet).unwrap();
+    assert_eq!(times, [1.0, 2.0]);
     // The shared row belongs to both clusters; two methods.
     assert_eq!(errors.len(), 2 * (15 + 15));
     assert_eq!(errors.iter().filter(|e| e.answers).count(), 2 * 25);
@@ -92,6 +96,58 @@ fn leaving_a_sample_out_changes_nothing_for_the_family() {
         }
         assert!(error.deviation > 0.0);
     }
+}
+
+#[test]
+fn the_ring_around_the_domain_takes_part_and_is_not_answered_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    for ca in [0.12, 0.13] {
+        let mut unsteady = trajectory(database.mesh(), [ca, 0.85], database.times());
+        unsteady.status = Status::Unsteady;
+        database.write(&unsteady).unwrap();
+    }
+    database.record(&[0.128, 0.95], Status::Unsteady).unwrap();
+    let settings = Settings {
+        domain: [[0.03, 0.2], [0.85, 0.97]],
+        beyond: 0.015,
+        ..settings()
+    };
+    let (bytes, report) = build(&database, &settings, &quiet).unwrap();
+    // (0.14, 0.85) and (0.14, 0.95) are steady: 0.12 and 0.13 lie below them, 0.128 above none.
+    assert_eq!((report.samples, report.unsteady_samples), (27, 2));
+    assert_eq!(report.error_times, [1.0, 2.0]);
+    assert!(report.left_out.iter().filter(|e| e.answers && e.inside).all(|e| {
+        let [ca, a] = e.parameters;
+        (0.03..0.15).contains(&ca) && (0.84..0.97).contains(&a) && ca != 0.12 && ca != 0.13
+    }));
+    let model = Model::open(&bytes).unwrap();
+    assert_eq!(model.domain(0.05, 0.9), Domain::Inside);
+    assert_eq!(model.domain(0.02, 0.9), Domain::Outside);
+    assert_eq!(model.domain(0.05, 1.0), Domain::Outside);
+    assert_eq!(model.domain(0.145, 0.9), Domain::Outside);
+
+    let nothing = Settings {
+        domain: [[0.3, 0.4], [0.75, 1.2]],
+        ..settings
+    };
+    let error = build(&database, &nothing, &quiet).unwrap_err();
+    assert!(matches!(error, OfflineError::Unsampled { .. }), "{error}");
+}
+
+#[test]
+fn the_papers_design_alone_leaves_the_rest_out() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = database(directory.path());
+    for parameters in [[0.055, 0.9], [0.21, 0.9], [0.08, 0.7], [0.08, 0.92]] {
+        let other = trajectory(database.mesh(), parameters, database.times());
+        database.write(&other).unwrap();
+    }
+    let samples = |design| {
+        let settings = Settings { design, ..settings() };
+        build(&database, &settings, &quiet).unwrap().1.samples
+    };
+    assert_eq!((samples(Design::All), samples(Design::Paper)), (29, 25));
 }
 
 #[test]
@@ -192,6 +248,17 @@ fn what_cannot_be_built_is_named() {
     assert!(matches!(
         build(&database, &bad, &quiet),
         Err(OfflineError::BadSetting { name: "split", .. })
+    ));
+    let bad = Settings {
+        domain: [[0.2, 0.1], [0.75, 1.2]],
+        ..settings()
+    };
+    assert!(matches!(
+        build(&database, &bad, &quiet),
+        Err(OfflineError::BadSetting {
+            name: "domain of Ca",
+            ..
+        })
     ));
     let bad = Settings {
         error_times: vec![2.0, 1.0],

@@ -1,0 +1,149 @@
+//! The steady limit: the greatest capillary number with a steady shape, as a function of the confinement.
+
+use capsule_database::Entry;
+use serde::Serialize;
+
+use crate::samples::SAME_ROW;
+
+/// Distance in a/l of the points of the curve that a model carries.
+const SPACING: f64 = 0.01;
+
+/// What a row of confinements says about the limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SteadyLimit {
+    /// a/l
+    pub confinement: f64,
+    /// The greatest capillary number with a steady shape.
+    pub largest_steady_ca: Option<f64>,
+    /// The least capillary number beyond it without one.
+    pub smallest_unsteady_ca: Option<f64>,
+    /// The middle of both; where nothing unsteady is known, the greatest steady one, which the limit exceeds.
+    pub limit: Option<f64>,
+}
+
+/// The bracket of each row of a database, by rising confinement.
+pub(crate) fn brackets(entries: &[Entry]) -> Vec<SteadyLimit> {
+    let mut rows: Vec<f64> = entries.iter().map(|e| e.parameters[1]).collect();
+    rows.sort_by(f64::total_cmp);
+    rows.dedup_by(|a, b| (*a - *b).abs() <= SAME_ROW);
+    let bracket = |confinement: f64| {
+        let of_row = |steady: bool| {
+            let row = entries
+                .iter()
+                .filter(move |e| (e.parameters[1] - confinement).abs() <= SAME_ROW && e.status.is_steady() == steady);
+            row.map(|e| e.parameters[0])
+        };
+        let largest_steady_ca = of_row(true).max_by(f64::total_cmp);
+        let smallest_unsteady_ca = of_row(false)
+            .filter(|ca| largest_steady_ca.is_none_or(|steady| *ca > steady))
+            .min_by(f64::total_cmp);
+        let limit = largest_steady_ca.map(|low| smallest_unsteady_ca.map_or(low, |high| 0.5 * (low + high)));
+        SteadyLimit {
+            confinement,
+            largest_steady_ca,
+            smallest_unsteady_ca,
+            limit,
+        }
+    };
+    rows.into_iter().map(bracket).collect()
+}
+
+/// The curve (a/l, Ca_lim) through the brackets, by the piecewise cubic of Fritsch and Carlson (SIAM J. Numer. Anal. 17,
+/// 1980), which rises and falls where the data do; in steps that are short enough to be joined by lines.
+pub(crate) fn curve(brackets: &[SteadyLimit]) -> Vec<[f64; 2]> {
+    let points: Vec<[f64; 2]> = brackets
+        .iter()
+        .filter_map(|b| Some([b.confinement, b.limit?]))
+        .collect();
+    let Some(last) = points.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let width = |i: usize| points[i + 1][0] - points[i][0];
+    let slope = |i: usize| (points[i + 1][1] - points[i][1]) / width(i);
+    let tangent = |i: usize| {
+        if i == 0 || i == last {
+            return if last == 0 { 0.0 } else { slope(i.min(last - 1)) };
+        }
+        let (before, after) = (slope(i - 1), slope(i));
+        if before * after <= 0.0 {
+            return 0.0;
+        }
+        let (w1, w2) = (2.0 * width(i) + width(i - 1), width(i) + 2.0 * width(i - 1));
+        (w1 + w2) / (w1 / before + w2 / after)
+    };
+    let mut curve = Vec::new();
+    for i in 0..last {
+        let (h, [x0, y0], [_, y1]) = (width(i), points[i], points[i + 1]);
+        let (d0, d1) = (tangent(i), tangent(i + 1));
+        let count = (h / SPACING - 1e-6).ceil().max(1.0);
+        for k in 0..count as usize {
+            let s = k as f64 / count;
+            let (rest, square) = (1.0 - s, s * s);
+            let value = y0 * (1.0 + 2.0 * s) * rest * rest + y1 * square * (3.0 - 2.0 * s);
+            curve.push([x0 + s * h, value + h * s * rest * (d0 * rest - d1 * s)]);
+        }
+    }
+    curve.push(points[last]);
+    curve
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use capsule_database::Status;
+
+    fn entry(ca: f64, confinement: f64, status: Status) -> Entry {
+        Entry {
+            parameters: vec![ca, confinement],
+            status,
+            snapshots: 1,
+            file: String::new(),
+        }
+    }
+
+    #[test]
+    fn each_row_is_bracketed_by_what_is_known() {
+        let steady = Status::Steady { time: 5.0 };
+        let stopped = Status::Stopped {
+            time: 1.0,
+            reason: "thin film".to_owned(),
+        };
+        let entries = [
+            entry(0.005, 0.9, stopped),
+            entry(0.12, 0.9, steady.clone()),
+            entry(0.124, 0.9, Status::Unsteady),
+            entry(0.13, 0.9, Status::Unsteady),
+            entry(0.1, 1.0, steady),
+            entry(0.1, 1.1, Status::Unsteady),
+        ];
+        let rows = brackets(&entries);
+        let limits: Vec<_> = rows.iter().map(|r| r.limit).collect();
+        assert_eq!(limits, [Some(0.122), Some(0.1), None]);
+        assert_eq!(rows[0].smallest_unsteady_ca, Some(0.124));
+        assert_eq!(rows[1].smallest_unsteady_ca, None);
+        let curve = curve(&rows);
+        assert_eq!((curve[0], curve[curve.len() - 1]), ([0.9, 0.122], [1.0, 0.1]));
+    }
+
+    #[test]
+    fn the_curve_is_smooth_between_its_points_and_does_not_overshoot() {
+        let exact = |a: f64| 0.3 * (-(a - 0.7) * 2.5).exp();
+        let rows: Vec<SteadyLimit> = (0..12)
+            .map(|i| {
+                let confinement = 0.7 + 0.05 * f64::from(i);
+                SteadyLimit {
+                    confinement,
+                    largest_steady_ca: None,
+                    smallest_unsteady_ca: None,
+                    limit: Some(exact(confinement)),
+                }
+            })
+            .collect();
+        let curve = curve(&rows);
+        assert_eq!(curve.len(), 56);
+        for [a, ca] in &curve {
+            assert!((ca - exact(*a)).abs() < 1e-4, "{a} {ca}");
+        }
+        assert!(curve.windows(2).all(|w| w[1][1] < w[0][1] && w[1][0] > w[0][0]));
+    }
+}
