@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use multiversion::target::match_target;
 use rayon::prelude::*;
 
-use super::real::{Real, fused};
+use super::real::{Real, fused, total};
 use super::settings::Precision;
 use super::stokeslet::LANES;
 
@@ -127,7 +127,7 @@ fn dots<S: Real, const FMA: bool, const T: usize>(rows: [&[S]; T], vector: &[f64
             }
         }
     }
-    sums.map(|lanes| lanes.iter().sum())
+    sums.map(|lanes| total(&lanes))
 }
 
 #[cfg(test)]

@@ -28,9 +28,14 @@ pub struct FreeSpace {
 impl FreeSpace {
     /// Unbounded fluid with the given flow at infinity.
     pub fn new(background: Background) -> Self {
+        Self::with_precision(background, Precision::default())
+    }
+
+    /// The same with a choice of the precision of the far sums.
+    pub fn with_precision(background: Background, precision: Precision) -> Self {
         Self {
             background,
-            rules: MembraneRules::new(&MembraneQuadrature::default(), Precision::default()),
+            rules: MembraneRules::new(&MembraneQuadrature::default(), precision),
         }
     }
 }

@@ -98,114 +98,151 @@ const POINTS: usize = 7;
 
 /// The layer for one shape and load.
 pub struct MembraneLayer<'a> {
-    elements: &'a [[u32; 6]],
+    membrane: Membrane<'a>,
     rules: &'a MembraneRules,
-    patches: Vec<Patch>,
+    /// Balls around the elements.
     balls: Vec<Ball>,
+    sources: FarSources,
+}
+
+/// The sources for the far sums in the precision of these.
+enum FarSources {
+    Mixed(Far<f32>),
+    Double(Far<f64>),
+}
+
+struct Far<S> {
     /// [`POINTS`] an element.
-    points: Sources,
+    points: Sources<S>,
     /// A point force a node.
-    nodal: Sources,
+    nodal: Sources<S>,
 }
 
 impl<'a> MembraneLayer<'a> {
     /// Prepares the sources of all elements.
     pub fn new(membrane: &Membrane<'a>, rules: &'a MembraneRules) -> Self {
-        let elements = membrane.elements;
-        let patches: Vec<Patch> = elements
-            .iter()
-            .map(|element| Patch::new(element, membrane.nodes, membrane.load))
-            .collect();
-        let mut points = Sources::with_capacity(POINTS * elements.len());
-        let mut nodal = Sources::with_capacity(membrane.nodes.len());
-        membrane.nodes.iter().for_each(|&node| nodal.push(node, [0.0; 3]));
-        for (e, (element, patch)) in elements.iter().zip(&patches).enumerate() {
-            patch.add_sources(&rules.middle, &mut points);
-            points.truncate(POINTS * (e + 1));
-            let strengths: [_; POINTS] = std::array::from_fn(|p| points.strength(POINTS * e + p));
-            for (k, &node) in element.iter().enumerate() {
-                let share = [0, 1, 2].map(|d| (0..POINTS).map(|p| rules.middle.shape(k, p) * strengths[p][d]).sum());
-                nodal.strengthen(node as usize, share);
+        let (balls, sources) = match rules.precision {
+            Precision::Mixed => {
+                let (balls, far) = Far::new(membrane, rules);
+                (balls, FarSources::Mixed(far))
             }
-        }
+            Precision::Double => {
+                let (balls, far) = Far::new(membrane, rules);
+                (balls, FarSources::Double(far))
+            }
+        };
         Self {
-            elements,
+            membrane: *membrane,
             rules,
-            balls: patches.iter().map(Patch::ball).collect(),
-            patches,
-            points,
-            nodal,
+            balls,
+            sources,
         }
     }
 
     /// Adds the layer's integral (no factor) at each of the targets to `out`; the first `nodes.len()` targets are those
     /// nodes of the membrane.
     pub fn add_to(&self, nodes: &[u32], blocks: &TargetBlocks, out: &mut [[f64; 3]]) {
-        let close = match self.rules.precision {
-            Precision::Mixed => self.add_far::<f32>(blocks, out),
-            Precision::Double => self.add_far::<f64>(blocks, out),
+        let close = match &self.sources {
+            FarSources::Mixed(far) => self.add_far(far, blocks, out),
+            FarSources::Double(far) => self.add_far(far, blocks, out),
         };
         // Collected in the order of the elements: the result does not depend on the number of threads.
-        let near: Vec<NearTargets> = transpose(&close, self.elements.len())
+        let near: Vec<NearTargets> = transpose(&close, self.balls.len())
             .par_iter()
             .enumerate()
             .filter(|(_, close)| !close.is_empty())
-            .map(|(e, close)| self.near(e, nodes, blocks.gather(close)))
+            .map_init(Sources::default, |scratch, (e, close)| {
+                self.near(e, nodes, blocks.gather(close), scratch)
+            })
             .collect();
         for near in &near {
             near.add_to(out);
         }
     }
 
-    fn add_far<S: StokesletSums>(&self, blocks: &TargetBlocks, out: &mut [[f64; 3]]) -> Vec<Vec<u32>> {
-        let units = Units::<S> {
+    /// Adds what the elements do that are beyond `middle` of all targets of a block; returns the others for each block.
+    fn add_far<S: StokesletSums>(&self, far: &Far<S>, blocks: &TargetBlocks, out: &mut [[f64; 3]]) -> Vec<Vec<u32>> {
+        let units = Units {
             balls: &self.balls,
-            sources: &self.points.rounded(),
+            sources: &far.points,
             reach: self.rules.quadrature.middle,
-            coarse: Some((self.rules.quadrature.far, &self.nodal.rounded())),
+            coarse: Some((self.rules.quadrature.far, &far.nodal)),
         };
         units.add_far(blocks, out)
     }
 
-    /// What element `e` does to targets of which some are within `middle` of it.
-    fn near(&self, e: usize, nodes: &[u32], mut near: NearTargets) -> NearTargets {
-        let Ball { centre, radius } = self.balls[e];
-        let middle = near.move_outside_to_front(0, centre, self.rules.quadrature.middle * radius);
-        near.add(self.points.range(POINTS * e, POINTS), 0..middle);
-        let mut sources = Sources::default();
-        let mut start = middle;
-        for k in middle..near.len() {
+    /// What element `e` does to targets of which some are close to it.
+    fn near(&self, e: usize, nodes: &[u32], mut near: NearTargets, scratch: &mut Sources) -> NearTargets {
+        let element = &self.membrane.elements[e];
+        let patch = Patch::new(element, self.membrane.nodes, self.membrane.load);
+        // Nodes of the element go to the front.
+        let mut own = 0;
+        for k in 0..near.len() {
             let node = nodes.get(near.index(k));
-            if let Some(local) = node.and_then(|node| self.elements[e].iter().position(|n| n == node)) {
-                sources.clear();
-                self.patches[e].add_sources(&self.rules.duffy[local], &mut sources);
-                near.add(sources.all(), k..k + 1);
-                near.swap(start, k);
-                start += 1;
+            if let Some(local) = node.and_then(|node| element.iter().position(|n| n == node)) {
+                scratch.clear();
+                patch.add_sources(&self.rules.duffy[local], scratch);
+                near.add(scratch.all(), k..k + 1);
+                near.swap(own, k);
+                own += 1;
             }
         }
-        self.add_near(&self.patches[e], &mut near, start, 0, &mut sources);
+        self.add_near(&patch, &mut near, own, 0, scratch);
         near
     }
 
     /// Adds the contribution of a patch to the targets from `start` on; reorders them.
     fn add_near(&self, patch: &Patch, near: &mut NearTargets, start: usize, depth: usize, sources: &mut Sources) {
         let Ball { centre, radius } = patch.ball();
-        let safe = if depth == DEEPEST {
-            0.0
-        } else {
-            self.rules.quadrature.near * radius
-        };
-        let close = near.move_outside_to_front(start, centre, safe);
-        if close > start {
-            sources.clear();
-            patch.add_sources(&self.rules.near, sources);
-            near.add(sources.all(), start..close);
+        let mut start = start;
+        for (reach, rule) in [
+            (self.rules.quadrature.middle, &self.rules.middle),
+            (self.rules.quadrature.near, &self.rules.near),
+        ] {
+            let safe = if depth == DEEPEST { 0.0 } else { reach * radius };
+            let close = near.move_outside_to_front(start, centre, safe);
+            if close > start {
+                sources.clear();
+                patch.add_sources(rule, sources);
+                near.add(sources.all(), start..close);
+            }
+            start = close;
         }
-        if close < near.len() {
+        if start < near.len() {
             for part in patch.split() {
-                self.add_near(&part, near, close, depth + 1, sources);
+                self.add_near(&part, near, start, depth + 1, sources);
             }
         }
+    }
+}
+
+impl<S: StokesletSums> Far<S> {
+    /// The sources of all elements, and the balls around these.
+    fn new(membrane: &Membrane, rules: &MembraneRules) -> (Vec<Ball>, Self) {
+        let mut balls = Vec::with_capacity(membrane.elements.len());
+        let mut points = Sources::with_capacity(POINTS * membrane.elements.len());
+        let mut forces = vec![[0.0; 3]; membrane.nodes.len()];
+        let mut sources = Sources::<f64>::default();
+        for element in membrane.elements {
+            let patch = Patch::new(element, membrane.nodes, membrane.load);
+            balls.push(patch.ball());
+            sources.clear();
+            patch.add_sources(&rules.middle, &mut sources);
+            points.append(sources.range(0, POINTS));
+            for p in 0..POINTS {
+                let strength = sources.strength(p);
+                for (k, &node) in element.iter().enumerate() {
+                    let shape = rules.middle.shape(k, p);
+                    for d in 0..3 {
+                        forces[node as usize][d] += shape * strength[d];
+                    }
+                }
+            }
+        }
+        let mut nodal = Sources::with_capacity(forces.len());
+        for (&position, &force) in membrane.nodes.iter().zip(&forces) {
+            nodal.push(position, force);
+        }
+        (balls, Self { points, nodal })
     }
 }

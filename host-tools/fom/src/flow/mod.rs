@@ -10,7 +10,7 @@
 //! - [`poiseuille`]: the undisturbed flow;
 //! - [`duct`] with its `settings`, [`free_space`]: the two flows behind the trait [`Flow`].
 
-mod dense;
+pub mod dense;
 pub mod duct;
 mod error;
 mod far;
@@ -18,7 +18,7 @@ pub mod free_space;
 pub mod membrane_layer;
 mod near;
 mod panel;
-mod patch;
+pub mod patch;
 pub mod poiseuille;
 pub mod quadrature;
 mod real;

@@ -117,13 +117,13 @@ impl TargetBlocks {
 
     /// All targets of some blocks.
     pub fn gather(&self, blocks: &[u32]) -> NearTargets {
-        let ranges = || blocks.iter().map(|&b| self.range(b as usize));
-        let index: Vec<u32> = ranges().flat_map(|range| &self.index[range]).copied().collect();
-        NearTargets {
-            position: ranges().flat_map(|range| &self.position[range]).copied().collect(),
-            value: vec![[0.0; 3]; index.len()],
-            index,
+        let mut near = NearTargets::default();
+        for range in blocks.iter().map(|&b| self.range(b as usize)) {
+            near.index.extend_from_slice(&self.index[range.clone()]);
+            near.position.extend_from_slice(&self.position[range]);
         }
+        near.value.resize(near.index.len(), [0.0; 3]);
+        near
     }
 }
 

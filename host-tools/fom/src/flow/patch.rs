@@ -160,24 +160,38 @@ fn interpolate(blocks: &[Block], nodes: &[[f64; FIELDS]; 6], sources: [&mut [f64
 
 #[inline(always)]
 fn interpolate_blocks<const FMA: bool>(blocks: &[Block], nodes: &[[f64; FIELDS]; 6], sources: [&mut [f64]; 6]) {
+    let count = blocks.len();
+    let [x, y, z, fx, fy, fz] = sources;
+    let ((x, _), (y, _), (z, _)) = (x.as_chunks_mut(), y.as_chunks_mut(), z.as_chunks_mut());
+    let ((fx, _), (fy, _), (fz, _)) = (
+        fx.as_chunks_mut::<LANES>(),
+        fy.as_chunks_mut::<LANES>(),
+        fz.as_chunks_mut::<LANES>(),
+    );
+    let (x, y, z) = (&mut x[..count], &mut y[..count], &mut z[..count]);
+    let (fx, fy, fz) = (&mut fx[..count], &mut fy[..count], &mut fz[..count]);
     for (b, block) in blocks.iter().enumerate() {
-        let mut value = [[0.0; LANES]; FIELDS];
-        for k in 0..6 {
-            for c in 0..FIELDS {
+        let field = |c: usize| {
+            let mut value = [0.0; LANES];
+            for k in 0..6 {
                 for l in 0..LANES {
-                    value[c][l] = fused::<f64, FMA>(block.shape[k][l], nodes[k][c], value[c][l]);
+                    value[l] = fused::<f64, FMA>(block.shape[k][l], nodes[k][c], value[l]);
                 }
             }
-        }
+            value
+        };
+        [x[b], y[b], z[b]] = [field(0), field(1), field(2)];
+        let (nx, ny, nz) = (field(6), field(7), field(8));
         let mut area = [0.0; LANES];
         for l in 0..LANES {
-            let square = value[6][l] * value[6][l] + value[7][l] * value[7][l] + value[8][l] * value[8][l];
+            let square = fused::<f64, FMA>(nx[l], nx[l], fused::<f64, FMA>(ny[l], ny[l], nz[l] * nz[l]));
             area[l] = square.sqrt() * block.weight[l];
         }
-        for d in 0..3 {
-            sources[d][b * LANES..][..LANES].copy_from_slice(&value[d]);
+        // One loop a component: a loop over all three would not be turned into vector instructions.
+        for (force, c) in [(&mut fx[b], 3), (&mut fy[b], 4), (&mut fz[b], 5)] {
+            let load = field(c);
             for l in 0..LANES {
-                sources[3 + d][b * LANES + l] = value[3 + d][l] * area[l];
+                force[l] = load[l] * area[l];
             }
         }
     }

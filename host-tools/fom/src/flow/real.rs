@@ -22,6 +22,13 @@ pub(super) fn fused<S: Real, const FMA: bool>(a: S, b: S, c: S) -> S {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
+/// The sum of some lanes, in double precision. Not inlined: lanes that are also used one by one would not be kept in
+/// vector registers.
+#[inline(never)]
+pub(super) fn total<S: Real, const L: usize>(lanes: &[S; L]) -> f64 {
+    lanes.iter().map(|&lane| lane.into()).sum()
+}
+
 impl Real for f64 {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {

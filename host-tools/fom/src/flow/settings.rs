@@ -112,6 +112,13 @@ impl DuctSettings {
         self.membrane.check()
     }
 
+    /// The mean distance of neighbouring nodes (l) on the uniform panels, in the direction where it is greater.
+    pub(super) fn node_spacing(&self) -> f64 {
+        let axial = self.uniform_half_length / self.uniform_panels as f64;
+        let transverse = 1.0 / self.transverse_panels as f64;
+        axial.max(transverse) / self.order as f64
+    }
+
     /// Panel boundaries from x = 0 to the end; the growing panels form a geometric progression that starts at the
     /// length of the uniform ones.
     pub(super) fn axial_boundaries(&self) -> Vec<f64> {

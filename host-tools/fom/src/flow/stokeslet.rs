@@ -9,7 +9,7 @@
 use multiversion::multiversion;
 use multiversion::target::match_target;
 
-use super::real::{Real, fused};
+use super::real::{Real, fused, total};
 
 /// Point forces, one slice a component: positions `(x, y, z)` and strengths `(fx, fy, fz)`.
 #[derive(Debug, Clone, Default)]
@@ -43,6 +43,13 @@ impl<S: Real> Sources<S> {
         }
     }
 
+    /// Adds copies of other sources, rounded.
+    pub fn append(&mut self, sources: SourceSlice<'_, f64>) {
+        for (component, values) in self.components.iter_mut().zip(sources.components) {
+            component.extend(values.iter().map(|&value| S::from_f64(value)));
+        }
+    }
+
     /// Their number.
     pub fn len(&self) -> usize {
         self.components[0].len()
@@ -53,13 +60,6 @@ impl<S: Real> Sources<S> {
         self.len() == 0
     }
 
-    /// Keeps the first `count` sources.
-    pub fn truncate(&mut self, count: usize) {
-        self.components
-            .iter_mut()
-            .for_each(|component| component.truncate(count));
-    }
-
     /// Removes all sources, but keeps their room.
     pub fn clear(&mut self) {
         self.components.iter_mut().for_each(Vec::clear);
@@ -67,18 +67,19 @@ impl<S: Real> Sources<S> {
 
     /// Adds `count` sources of no strength at the origin; returns the six components of the new ones, to be filled in.
     pub fn extend(&mut self, count: usize) -> [&mut [S]; 6] {
-        self.components.each_mut().map(|component| {
-            let start = component.len();
+        let start = self.len();
+        for component in &mut self.components {
             component.resize(start + count, S::default());
-            &mut component[start..]
-        })
-    }
-
-    /// Adds `change` to the strength of source `j`.
-    pub fn strengthen(&mut self, j: usize, change: [f64; 3]) {
-        for (component, change) in self.components[3..].iter_mut().zip(change) {
-            component[j] = component[j] + S::from_f64(change);
         }
+        let [x, y, z, fx, fy, fz] = &mut self.components;
+        [
+            &mut x[start..],
+            &mut y[start..],
+            &mut z[start..],
+            &mut fx[start..],
+            &mut fy[start..],
+            &mut fz[start..],
+        ]
     }
 
     /// The strength of source `j`.
@@ -93,8 +94,17 @@ impl<S: Real> Sources<S> {
 
     /// The `count` sources from `start` on.
     pub fn range(&self, start: usize, count: usize) -> SourceSlice<'_, S> {
+        let [x, y, z, fx, fy, fz] = &self.components;
+        let end = start + count;
         SourceSlice {
-            components: self.components.each_ref().map(|c| &c[start..start + count]),
+            components: [
+                &x[start..end],
+                &y[start..end],
+                &z[start..end],
+                &fx[start..end],
+                &fy[start..end],
+                &fz[start..end],
+            ],
         }
     }
 }
@@ -139,7 +149,12 @@ pub trait StokesletSums: Real {
 
 impl StokesletSums for f64 {
     fn add_sums(sources: [&[Self]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
-        double(sources, targets, out);
+        // The sums over the lanes take longer than a few sources.
+        if targets.len() >= LANES / 2 && sources[0].len() <= 4 * LANES {
+            few_sources(sources, targets, out);
+        } else {
+            double(sources, targets, out);
+        }
     }
 }
 
@@ -158,6 +173,15 @@ fn double(sources: [&[f64]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
     }
 }
 
+/// Adds the velocity of a few sources to many targets, in double precision: here the lanes are targets.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn few_sources(sources: [&[f64]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
+    match_target! {
+        "x86_64+fma" => transposed_tiles::<true>(sources, targets, out),
+        _ => transposed_tiles::<false>(sources, targets, out),
+    }
+}
+
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn single(sources: [&[f32]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
     match_target! {
@@ -169,21 +193,23 @@ fn single(sources: [&[f32]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
 /// Doubles in one AVX-512 register. Lists of a multiple of this length (twice this in single precision) are summed
 /// fastest.
 pub const LANES: usize = 8;
-/// Targets handled together, so that a source is loaded once for all of them.
-const TARGETS: usize = 4;
+/// Targets handled together: a source is loaded once for all of them, and their sums fit into the registers.
+const TARGETS: usize = 2;
 /// Sources whose sum is taken in their own precision before it is added in double precision.
 const PART: usize = 1024;
 
 /// All targets with all sources, `L` of them in a register.
 #[inline(always)]
 fn tiles<S: Real, const FMA: bool, const L: usize>(sources: [&[S]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
-    for start in (0..sources[0].len()).step_by(PART) {
-        let end = sources[0].len().min(start + PART);
-        let part = sources.map(|component| &component[start..end]);
-        let (blocks, rest) = targets.as_chunks();
-        let (block_values, rest_values) = out.as_chunks_mut();
-        for (block, values) in blocks.iter().zip(block_values) {
-            tile::<S, FMA, TARGETS, L>(part, block, values);
+    let [x, y, z, fx, fy, fz] = sources;
+    let positions = x.chunks(PART).zip(y.chunks(PART)).zip(z.chunks(PART));
+    let strengths = fx.chunks(PART).zip(fy.chunks(PART)).zip(fz.chunks(PART));
+    for (((x, y), z), ((fx, fy), fz)) in positions.zip(strengths) {
+        let part = [x, y, z, fx, fy, fz];
+        let (tiles, rest) = targets.as_chunks();
+        let (tile_values, rest_values) = out.as_chunks_mut();
+        for (targets, values) in tiles.iter().zip(tile_values) {
+            tile::<S, FMA, TARGETS, L>(part, targets, values);
         }
         for (&target, value) in rest.iter().zip(rest_values) {
             tile::<S, FMA, 1, L>(part, &[target], std::array::from_mut(value));
@@ -197,36 +223,85 @@ fn tile<S: Real, const FMA: bool, const T: usize, const L: usize>(
     targets: &[[f64; 3]; T],
     out: &mut [[f64; 3]; T],
 ) {
-    let targets = targets.map(|target| target.map(S::from_f64));
-    let mut sums = [[[S::default(); L]; 3]; T];
-    let [
-        (x, x_rest),
-        (y, y_rest),
-        (z, z_rest),
-        (fx, fx_rest),
-        (fy, fy_rest),
-        (fz, fz_rest),
-    ] = sources.map(|component| component.as_chunks());
-    let positions = x.iter().zip(y).zip(z);
-    let strengths = fx.iter().zip(fy).zip(fz);
-    for (((&x, &y), &z), ((&fx, &fy), &fz)) in positions.zip(strengths) {
-        for t in 0..T {
-            interact::<S, FMA, L>(&targets[t], &[x, y, z], &[fx, fy, fz], &mut sums[t]);
+    let mut x = [[S::default(); 3]; T];
+    for t in 0..T {
+        for d in 0..3 {
+            x[t][d] = S::from_f64(targets[t][d]);
         }
     }
-    if !x_rest.is_empty() {
-        // The rest is filled up with sources of no strength, away from the targets.
-        let y = [x_rest, y_rest, z_rest].map(|rest| filled(rest, S::from_f64(1e9)));
-        let f = [fx_rest, fy_rest, fz_rest].map(|rest| filled(rest, S::default()));
+    let mut sums = [[[S::default(); L]; 3]; T];
+    let (y0, y0_rest) = sources[0].as_chunks();
+    let (y1, y1_rest) = sources[1].as_chunks();
+    let (y2, y2_rest) = sources[2].as_chunks();
+    let (f0, f0_rest) = sources[3].as_chunks();
+    let (f1, f1_rest) = sources[4].as_chunks();
+    let (f2, f2_rest) = sources[5].as_chunks();
+    let positions = y0.iter().zip(y1).zip(y2);
+    let strengths = f0.iter().zip(f1).zip(f2);
+    for (((&y0, &y1), &y2), ((&f0, &f1), &f2)) in positions.zip(strengths) {
         for t in 0..T {
-            interact::<S, FMA, L>(&targets[t], &y, &f, &mut sums[t]);
+            interact::<S, FMA, L>(&x[t], &[y0, y1, y2], &[f0, f1, f2], &mut sums[t]);
+        }
+    }
+    if !y0_rest.is_empty() {
+        // The rest is filled up with sources of no strength, away from the targets.
+        let far = S::from_f64(1e9);
+        let y = [filled(y0_rest, far), filled(y1_rest, far), filled(y2_rest, far)];
+        let none = S::default();
+        let f = [filled(f0_rest, none), filled(f1_rest, none), filled(f2_rest, none)];
+        for t in 0..T {
+            interact::<S, FMA, L>(&x[t], &y, &f, &mut sums[t]);
         }
     }
     for t in 0..T {
         for d in 0..3 {
-            out[t][d] += sums[t][d].iter().map(|&lane| lane.into()).sum::<f64>();
+            out[t][d] += total(&sums[t][d]);
         }
     }
+}
+
+#[inline(always)]
+fn transposed_tiles<const FMA: bool>(sources: [&[f64]; 6], targets: &[[f64; 3]], out: &mut [[f64; 3]]) {
+    for (targets, out) in targets.chunks(LANES).zip(out.chunks_mut(LANES)) {
+        let mut x = [[1e9; LANES]; 3];
+        for (l, target) in targets.iter().enumerate() {
+            for d in 0..3 {
+                x[d][l] = target[d];
+            }
+        }
+        let sums = transposed_tile::<FMA>(sources, &x);
+        for (l, value) in out.iter_mut().enumerate() {
+            for d in 0..3 {
+                value[d] += sums[d][l];
+            }
+        }
+    }
+}
+
+/// The sums at a register of targets.
+#[inline(always)]
+fn transposed_tile<const FMA: bool>(sources: [&[f64]; 6], x: &[[f64; LANES]; 3]) -> [[f64; LANES]; 3] {
+    let mut sums = [[0.0; LANES]; 3];
+    let count = sources[0].len();
+    let [sx, sy, sz, fx, fy, fz] = sources;
+    let (sx, sy, sz) = (&sx[..count], &sy[..count], &sz[..count]);
+    let (fx, fy, fz) = (&fx[..count], &fy[..count], &fz[..count]);
+    for j in 0..count {
+        let y = [[sx[j]; LANES], [sy[j]; LANES], [sz[j]; LANES]];
+        let f = [[fx[j]; LANES], [fy[j]; LANES], [fz[j]; LANES]];
+        for l in 0..LANES {
+            let [vx, vy, vz] = pair::<f64, FMA>(
+                [x[0][l], x[1][l], x[2][l]],
+                [y[0][l], y[1][l], y[2][l]],
+                [f[0][l], f[1][l], f[2][l]],
+                [sums[0][l], sums[1][l], sums[2][l]],
+            );
+            sums[0][l] = vx;
+            sums[1][l] = vy;
+            sums[2][l] = vz;
+        }
+    }
+    sums
 }
 
 #[inline(always)]
@@ -245,17 +320,33 @@ fn interact<S: Real, const FMA: bool, const L: usize>(
     sums: &mut [[S; L]; 3],
 ) {
     for l in 0..L {
-        let dx = target[0] - y[0][l];
-        let dy = target[1] - y[1][l];
-        let dz = target[2] - y[2][l];
-        let square = fused::<S, FMA>(dx, dx, fused::<S, FMA>(dy, dy, dz * dz));
-        let inverse = S::reciprocal_root::<FMA>(square);
-        let dot = fused::<S, FMA>(dx, f[0][l], fused::<S, FMA>(dy, f[1][l], dz * f[2][l]));
-        let along = dot * (inverse * inverse);
-        sums[0][l] = fused::<S, FMA>(inverse, fused::<S, FMA>(along, dx, f[0][l]), sums[0][l]);
-        sums[1][l] = fused::<S, FMA>(inverse, fused::<S, FMA>(along, dy, f[1][l]), sums[1][l]);
-        sums[2][l] = fused::<S, FMA>(inverse, fused::<S, FMA>(along, dz, f[2][l]), sums[2][l]);
+        let [vx, vy, vz] = pair::<S, FMA>(
+            *target,
+            [y[0][l], y[1][l], y[2][l]],
+            [f[0][l], f[1][l], f[2][l]],
+            [sums[0][l], sums[1][l], sums[2][l]],
+        );
+        sums[0][l] = vx;
+        sums[1][l] = vy;
+        sums[2][l] = vz;
     }
+}
+
+/// `sum + J(x - y) f`.
+#[inline(always)]
+fn pair<S: Real, const FMA: bool>(x: [S; 3], y: [S; 3], f: [S; 3], sum: [S; 3]) -> [S; 3] {
+    let dx = x[0] - y[0];
+    let dy = x[1] - y[1];
+    let dz = x[2] - y[2];
+    let square = fused::<S, FMA>(dx, dx, fused::<S, FMA>(dy, dy, dz * dz));
+    let inverse = S::reciprocal_root::<FMA>(square);
+    let dot = fused::<S, FMA>(dx, f[0], fused::<S, FMA>(dy, f[1], dz * f[2]));
+    let along = dot * (inverse * inverse);
+    [
+        fused::<S, FMA>(inverse, fused::<S, FMA>(along, dx, f[0]), sum[0]),
+        fused::<S, FMA>(inverse, fused::<S, FMA>(along, dy, f[1]), sum[1]),
+        fused::<S, FMA>(inverse, fused::<S, FMA>(along, dz, f[2]), sum[2]),
+    ]
 }
 
 #[cfg(test)]
