@@ -1,4 +1,5 @@
-//! Ctrl-C asks long work to end at its next safe point; a second one ends the program.
+//! Ctrl-C, and what a batch system sends before it ends a job (SIGTERM), asks long work to end at its next safe point; a
+//! second one ends the program.
 
 use anyhow::{Context, Result};
 use std::ops::ControlFlow;
@@ -16,12 +17,12 @@ pub fn listen() -> Result<()> {
     .context("could not listen for Ctrl-C")
 }
 
-/// Whether Ctrl-C was pressed.
+/// Whether an end was asked for.
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// `Break` once Ctrl-C was pressed.
+/// `Break` once it was asked.
 pub fn flow() -> ControlFlow<()> {
     if asked() {
         ControlFlow::Break(())

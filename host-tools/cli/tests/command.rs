@@ -52,6 +52,8 @@ fn every_command_has_help_with_an_example() {
         "",
         "fom run",
         "fom sweep",
+        "fom limit",
+        "database merge",
         "fom shear",
         "offline build",
         "predict",

@@ -12,7 +12,7 @@ use crate::DatabaseError;
 ///
 /// # Errors
 /// [`DatabaseError::Io`] when the directory cannot be written.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), DatabaseError> {
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), DatabaseError> {
     let directory = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

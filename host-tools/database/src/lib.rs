@@ -30,6 +30,7 @@ mod trajectory;
 mod version1;
 pub mod vtu;
 
+pub use atomic::write as write_whole;
 pub use database::{Database, Entry};
 pub use description::{Description, Difference, Parameter};
 pub use error::DatabaseError;

@@ -15,6 +15,12 @@ pub fn semi_axes(confinement: f64) -> [f64; 2] {
     [confinement * (confinement / minor) * (confinement / minor), minor]
 }
 
+/// The confinement whose start has this semi-axis along the channel: the greatest one that fits in it.
+pub fn greatest_confinement(semi_axis: f64) -> f64 {
+    let square = GREATEST_SEMI_MINOR_AXIS * GREATEST_SEMI_MINOR_AXIS;
+    semi_axis.min((semi_axis * square).cbrt())
+}
+
 /// The node positions of the start, centred on the origin.
 pub fn positions(mesh: &Mesh, confinement: f64) -> Vec<[f64; 3]> {
     let [major, minor] = semi_axes(confinement);
@@ -39,5 +45,13 @@ mod tests {
             assert!(semi_axes(confinement)[1] <= 0.9);
         }
         assert_eq!(semi_axes(0.8), [0.8, 0.8]);
+    }
+
+    #[test]
+    fn the_greatest_confinement_is_the_inverse_of_the_length() {
+        for confinement in [0.5, 0.9, 1.0, 1.25] {
+            let [length, _] = semi_axes(confinement);
+            assert!((greatest_confinement(length) - confinement).abs() < 1e-14);
+        }
     }
 }

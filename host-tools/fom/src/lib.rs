@@ -24,7 +24,7 @@ pub mod system;
 
 pub use mesh::Mesh;
 pub use parameters::{Configuration, Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
-pub use simulation::{History, Outcome, Progress, Solver, Status};
+pub use simulation::{History, Outcome, Pause, Progress, Run, Solver, Status};
 pub use symmetry::Symmetry;
 
 use flow::FlowError;
@@ -84,6 +84,14 @@ pub enum FomError {
     /// The duct cannot be set up.
     #[error("the duct cannot be set up: {0}")]
     Duct(#[source] FlowError),
+    /// The initial shape is too long for the duct.
+    #[error("a capsule of confinement a/l = {confinement} does not fit in the duct: a/l must be below {limit:.4}")]
+    TooLong {
+        /// The confinement.
+        confinement: f64,
+        /// The least confinement that is too great.
+        limit: f64,
+    },
     /// The initial shape is refused.
     #[error("a capsule of confinement a/l = {confinement} cannot start: {source}")]
     Start {
@@ -91,6 +99,14 @@ pub enum FomError {
         confinement: f64,
         /// Why.
         source: EvaluationError,
+    },
+    /// A saved run is one of another mesh.
+    #[error("the saved run has {found} unknowns, but this solver's mesh has {expected}")]
+    AnotherRun {
+        /// The unknowns it has.
+        found: usize,
+        /// The unknowns it should have.
+        expected: usize,
     },
     /// A fixed step is beyond the integrator's stability.
     #[error(

@@ -4,7 +4,7 @@ use crate::FomError;
 use crate::flow::DuctSettings;
 
 /// The two parameters of the problem.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Configuration {
     /// Capillary number `Ca = mu V / G_s`.
     pub capillary_number: f64,
@@ -61,6 +61,8 @@ pub struct SteadyCriteria {
     /// A steady run goes on until moving with its last velocity to the end time is wrong by less than this (a), as its
     /// last velocities foretell.
     pub translation: f64,
+    /// Nor does it end before this time (l/V): a buckle grows from round-off, out of a shape that seems steady.
+    pub earliest_end: f64,
 }
 
 /// The solver's settings. The default is for production.
@@ -112,6 +114,7 @@ impl Default for SteadyCriteria {
             normal_velocity: 1e-3,
             length_rate: 1e-3,
             translation: 5e-5,
+            earliest_end: 4.0,
         }
     }
 }
@@ -171,6 +174,7 @@ impl Settings {
         snapshots(self.end_time, self.snapshot_interval)?;
         positive("steady bound on the normal velocity", self.steady.normal_velocity)?;
         positive("steady bound on the length rate", self.steady.length_rate)?;
+        positive("earliest end of a steady run", self.steady.earliest_end)?;
         positive("steady bound on the translation", self.steady.translation)
     }
 

@@ -5,9 +5,8 @@
 use std::f64::consts::FRAC_PI_4;
 
 use crate::flow::{Background, FreeSpace};
-use crate::integrator::{State, StepError};
+use crate::integrator::{Integration, State, StepError, Stepper};
 use crate::parameters::{positive, snapshots};
-use crate::simulation::stepper;
 use crate::surface::Moments;
 use crate::system::{Capsule, Discretisation};
 use crate::{FomError, Integrator, MembraneDiscretisation};
@@ -75,7 +74,7 @@ pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome,
     let mut state =
         State::new(0.0, value, &mut |x, rate| capsule.rate(x, rate)).map_err(|error| failed(0.0, error.to_string()))?;
     let initial_volume = capsule.volume();
-    let mut stepper = stepper(&settings.integrator);
+    let mut stepper = Integration::new(&settings.integrator);
     let mut outcome = ShearOutcome::default();
     for entry in 0.. {
         let until = (f64::from(entry) * settings.interval).min(settings.end_time);

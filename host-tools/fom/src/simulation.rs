@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use crate::flow::{Duct, DuctSettings};
-use crate::integrator::{FixedStep, Rkc2, Scheme, State, StepError, Stepper};
+use crate::flow::{Duct, DuctSettings, FlowError};
+use crate::integrator::{Integration, State, StepError, Stepper};
 use crate::measures::Outlines;
 use crate::system::{Capsule, Discretisation};
-use crate::{Configuration, EvaluationError, FomError, Integrator, Mesh, Settings, SteadyCriteria};
+use crate::{Configuration, EvaluationError, FomError, Mesh, Settings, initial};
 
 /// Mesh and duct operator, built once and shared by all configurations (and threads).
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ pub struct Progress {
 }
 
 /// How a run ended.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Status {
     /// Steady from this snapshot on ([`SteadyCriteria`]).
     Steady {
@@ -53,7 +53,7 @@ pub enum Status {
 }
 
 /// Observed quantities, one entry a snapshot.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct History {
     /// Time (l/V).
     pub t: Vec<f64>,
@@ -72,7 +72,7 @@ pub struct History {
 }
 
 /// A run's result. Vectors over time have one entry a snapshot; fields have one entry a node of the full mesh.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Outcome {
     /// The parameters.
     pub configuration: Configuration,
@@ -103,9 +103,6 @@ pub struct Outcome {
     /// Greatest relative change of the enclosed volume.
     pub volume_drift: f64,
 }
-
-/// Longest step of the stabilised integrator (l/V).
-const GREATEST_STEP: f64 = 0.2;
 
 impl Solver {
     /// Builds mesh and duct operator.
@@ -144,31 +141,84 @@ impl Solver {
     /// A run that cannot go on is not an error: it keeps its snapshots, with [`Status::Stopped`].
     ///
     /// # Errors
-    /// [`FomError::NotPositive`] for the parameters, [`FomError::Start`] if the initial shape does not fit in the
-    /// duct, [`FomError::UnstableStep`] if a fixed step is too long.
+    /// As [`Solver::start`] and [`Solver::go_on`].
     pub fn run(
         &self,
         configuration: &Configuration,
         observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome, FomError> {
+        match self.go_on(self.start(configuration)?, observer)? {
+            Pause::Finished(outcome) => Ok(*outcome),
+            Pause::BrokenOff(run) => {
+                let (time, reason) = (run.state.time, "broken off by the caller".to_owned());
+                let mut outcome = run.record.finish(&self.outlines);
+                outcome.status = Status::Stopped { time, reason };
+                Ok(outcome)
+            }
+        }
+    }
+
+    /// The run of one configuration at its first instant.
+    ///
+    /// # Errors
+    /// [`FomError::NotPositive`] for the parameters, [`FomError::TooLong`] or [`FomError::Start`] if the initial shape
+    /// does not fit in the duct.
+    pub fn start(&self, configuration: &Configuration) -> Result<Run, FomError> {
         configuration.validate()?;
         let clock = Instant::now();
-        let &Configuration {
-            capillary_number,
-            confinement,
-        } = configuration;
-        let mut capsule = Capsule::new(&self.discretisation, &self.duct, capillary_number, confinement);
-        let mut state = State::new(0.0, capsule.initial_value(), &mut |x, rate| capsule.rate(x, rate))
-            .map_err(|source| FomError::Start { confinement, source })?;
-        let mut stepper = stepper(&self.settings.integrator);
-        let mut record = Recorder::new(self, *configuration, capsule.volume());
-        record.snapshot(&capsule, &state);
+        let mut capsule = self.capsule(configuration);
+        let confinement = configuration.confinement;
+        let state =
+            State::new(0.0, capsule.initial_value(), &mut |x, rate| capsule.rate(x, rate)).map_err(|source| {
+                match source {
+                    EvaluationError::Flow(FlowError::NearDuctEnd { limit, .. }) => FomError::TooLong {
+                        confinement,
+                        limit: initial::greatest_confinement(limit),
+                    },
+                    source => FomError::Start { confinement, source },
+                }
+            })?;
+        let mut record = Record::new(*configuration, capsule.volume());
+        record.snapshot(self, &capsule, &state);
+        record.outcome.velocity_evaluations = capsule.evaluations();
+        record.outcome.wall_time_s = clock.elapsed().as_secs_f64();
+        Ok(Run {
+            state,
+            integrator: Integration::new(&self.settings.integrator),
+            record,
+        })
+    }
 
+    /// Goes on with a run to its end, or until `observer` breaks off. A run that was broken off, saved and read again
+    /// gives the same outcome as an undisturbed one, but for its duration.
+    ///
+    /// # Errors
+    /// [`FomError::UnstableStep`] if a fixed step is too long, [`FomError::AnotherRun`] if the run is one of another
+    /// mesh.
+    pub fn go_on(
+        &self,
+        mut run: Run,
+        observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Pause, FomError> {
+        let Run {
+            state,
+            integrator,
+            record,
+        } = &mut run;
+        let clock = Instant::now();
+        let mut capsule = self.capsule(&record.outcome.configuration);
+        let size = 3 * self.discretisation.symmetry.sector.len() + 1;
+        for found in [state.value.len(), state.rate.len()] {
+            if found != size {
+                return Err(FomError::AnotherRun { found, expected: size });
+            }
+        }
+        let before = (record.outcome.velocity_evaluations, record.outcome.wall_time_s);
         let end_time = self.settings.end_time;
         let mut stopped = None;
-        'run: for until in self.settings.snapshot_times().into_iter().skip(1) {
+        'run: for until in self.settings.snapshot_times() {
             while state.time < until {
-                match stepper.step(&mut |x, rate| capsule.rate(x, rate), &mut state, until) {
+                match integrator.step(&mut |x, rate| capsule.rate(x, rate), state, until) {
                     Ok(()) => {}
                     Err(StepError::Unstable { step, limit, time }) => {
                         return Err(FomError::UnstableStep { step, limit, time });
@@ -179,44 +229,76 @@ impl Solver {
                     }
                 }
                 capsule.recentre(&mut state.value);
-                record.outcome.steps += 1;
+                let residual = capsule.residual(&state.rate);
+                // Before the observer may break off: what is needed of the capsule is its last evaluation.
+                if state.time >= until {
+                    record.snapshot(self, &capsule, state);
+                }
+                let outcome = &mut record.outcome;
+                outcome.steps += 1;
+                outcome.velocity_evaluations = before.0 + capsule.evaluations();
+                outcome.wall_time_s = before.1 + clock.elapsed().as_secs_f64();
                 let progress = Progress {
                     t: state.time,
                     end_time,
-                    steps: record.outcome.steps,
-                    velocity_evaluations: capsule.evaluations(),
-                    residual: capsule.residual(&state.rate),
+                    steps: outcome.steps,
+                    velocity_evaluations: outcome.velocity_evaluations,
+                    residual,
                 };
                 if observer(&progress).is_break() {
-                    stopped = Some("broken off by the caller".to_owned());
-                    break 'run;
+                    return Ok(Pause::BrokenOff(Box::new(run)));
                 }
             }
-            record.snapshot(&capsule, &state);
-            if record.is_finished() {
+            if record.is_finished(&self.settings) {
                 break;
             }
         }
-        let mut outcome = record.finish();
+        let time = state.time;
+        record.outcome.velocity_evaluations = before.0 + capsule.evaluations();
+        record.outcome.wall_time_s = before.1 + clock.elapsed().as_secs_f64();
+        let mut outcome = run.record.finish(&self.outlines);
         if let Some(reason) = stopped {
-            outcome.status = Status::Stopped {
-                time: state.time,
-                reason,
-            };
+            outcome.status = Status::Stopped { time, reason };
         }
-        outcome.velocity_evaluations = capsule.evaluations();
-        outcome.wall_time_s = clock.elapsed().as_secs_f64();
-        Ok(outcome)
+        Ok(Pause::Finished(Box::new(outcome)))
+    }
+
+    fn capsule(&self, configuration: &Configuration) -> Capsule<'_> {
+        let &Configuration {
+            capillary_number,
+            confinement,
+        } = configuration;
+        Capsule::new(&self.discretisation, &self.duct, capillary_number, confinement)
     }
 }
 
-/// The integrator with its work space.
-pub(crate) fn stepper(integrator: &Integrator) -> Box<dyn Stepper<EvaluationError>> {
-    match *integrator {
-        Integrator::ForwardEuler { step } => Box::new(FixedStep::new(Scheme::ForwardEuler, step)),
-        Integrator::Ralston { step } => Box::new(FixedStep::new(Scheme::Ralston, step)),
-        Integrator::Rkc2 { tolerance } => Box::new(Rkc2::new(tolerance, GREATEST_STEP)),
+/// A run under way: all that decides how it goes on, to be saved and read again.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Run {
+    state: State,
+    integrator: Integration,
+    record: Record,
+}
+
+impl Run {
+    /// What it is a run of.
+    pub fn configuration(&self) -> &Configuration {
+        &self.record.outcome.configuration
     }
+
+    /// The time reached (l/V).
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+}
+
+/// Where [`Solver::go_on`] left a run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Pause {
+    /// At its end.
+    Finished(Box<Outcome>),
+    /// Where the observer broke off.
+    BrokenOff(Box<Run>),
 }
 
 /// How far a velocity, known at equal intervals, still is from its end: its differences fall off geometrically.
@@ -234,22 +316,17 @@ fn velocity_to_come(history: &[f64]) -> f64 {
 }
 
 /// Collects snapshots and watches for the steady state.
-struct Recorder<'a> {
-    outlines: &'a Outlines,
-    criteria: SteadyCriteria,
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+struct Record {
     initial_volume: f64,
-    end_time: f64,
     steady_since: Option<f64>,
     outcome: Outcome,
 }
 
-impl<'a> Recorder<'a> {
-    fn new(solver: &'a Solver, configuration: Configuration, initial_volume: f64) -> Self {
+impl Record {
+    fn new(configuration: Configuration, initial_volume: f64) -> Self {
         Self {
-            outlines: &solver.outlines,
-            criteria: solver.settings.steady,
             initial_volume,
-            end_time: solver.settings.end_time,
             steady_since: None,
             outcome: Outcome {
                 configuration,
@@ -270,18 +347,19 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    fn snapshot(&mut self, capsule: &Capsule, state: &State) {
+    fn snapshot(&mut self, solver: &Solver, capsule: &Capsule, state: &State) {
+        let (outlines, criteria) = (&solver.outlines, solver.settings.steady);
         let fields = capsule.fields(&state.value, &state.rate);
         let residual = capsule.residual(&state.rate);
-        let length_rate = self.outlines.axial_length_rate(&fields.positions, &fields.velocities);
-        let steady = residual < self.criteria.normal_velocity && length_rate.abs() < self.criteria.length_rate;
+        let length_rate = outlines.axial_length_rate(&fields.positions, &fields.velocities);
+        let steady = residual < criteria.normal_velocity && length_rate.abs() < criteria.length_rate;
         self.steady_since = if steady {
             self.steady_since.or(Some(state.time))
         } else {
             None
         };
 
-        let dimensions = self.outlines.dimensions(&fields.positions);
+        let dimensions = outlines.dimensions(&fields.positions);
         let Outcome {
             history,
             times,
@@ -307,20 +385,23 @@ impl<'a> Recorder<'a> {
         *volume_drift = volume_drift.max((capsule.volume() / self.initial_volume - 1.0).abs());
     }
 
-    fn is_finished(&self) -> bool {
-        let left = self.end_time - self.outcome.times.last().copied().unwrap_or_default();
+    fn is_finished(&self, settings: &Settings) -> bool {
+        let time = self.outcome.times.last().copied().unwrap_or_default();
+        let left = settings.end_time - time;
         let translation = left * velocity_to_come(&self.outcome.history.centroid_velocity);
-        self.steady_since.is_some() && translation < self.criteria.translation * self.outcome.configuration.confinement
+        time >= settings.steady.earliest_end
+            && self.steady_since.is_some()
+            && translation < settings.steady.translation * self.outcome.configuration.confinement
     }
 
-    fn finish(mut self) -> Outcome {
+    fn finish(mut self, outlines: &Outlines) -> Outcome {
         if let Some(time) = self.steady_since {
             self.outcome.status = Status::Steady { time };
         }
         if let (Some(positions), Some(&centroid)) = (self.outcome.positions.last(), self.outcome.centroid.last()) {
             let centred = |profile: Vec<[f64; 2]>| profile.into_iter().map(|[x, r]| [x - centroid, r]).collect();
-            self.outcome.profile_midplane = centred(self.outlines.profile_midplane(positions));
-            self.outcome.profile_diagonal = centred(self.outlines.profile_diagonal(positions));
+            self.outcome.profile_midplane = centred(outlines.profile_midplane(positions));
+            self.outcome.profile_diagonal = centred(outlines.profile_diagonal(positions));
         }
         self.outcome
     }

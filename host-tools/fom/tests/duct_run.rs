@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use capsule_fom::flow::{DuctSettings, MembraneQuadrature, Precision};
-use capsule_fom::{Configuration, FomError, Integrator, Outcome, Settings, Solver, Status};
+use capsule_fom::{Configuration, FomError, Integrator, Outcome, Pause, Run, Settings, Solver, Status};
 
 fn settings() -> Settings {
     Settings {
@@ -190,4 +190,69 @@ fn a_small_stiff_capsule_becomes_steady_with_the_velocity_of_a_sphere() {
     // u_max less the Faxen correction: 2.0488 V.
     let velocity = outcome.history.centroid_velocity.last().unwrap();
     assert!((velocity - 2.0488).abs() < 5e-3, "{velocity}");
+}
+
+#[test]
+fn a_run_broken_off_and_saved_goes_on_as_if_nothing_had_happened() {
+    for integrator in [Integrator::Rkc2 { tolerance: 1e-4 }, Integrator::Ralston { step: 5e-3 }] {
+        let solver = Solver::new(Settings {
+            mesh_frequency: 2,
+            end_time: 0.3,
+            integrator,
+            ..settings()
+        })
+        .unwrap();
+        let whole = solver.run(&CONFIGURATION, &mut |_| ControlFlow::Continue(())).unwrap();
+        let mut run = solver.start(&CONFIGURATION).unwrap();
+        let outcome = loop {
+            let mut steps = 0;
+            let pause = solver.go_on(run, &mut |_| {
+                steps += 1;
+                if steps == 3 {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            });
+            match pause.unwrap() {
+                Pause::Finished(outcome) => break *outcome,
+                Pause::BrokenOff(broken) => run = postcard::from_bytes(&postcard::to_stdvec(&broken).unwrap()).unwrap(),
+            }
+        };
+        let timeless = |outcome| Outcome {
+            wall_time_s: 0.0,
+            ..outcome
+        };
+        assert!(timeless(outcome) == timeless(whole), "{integrator:?}");
+    }
+}
+
+#[test]
+fn a_saved_run_of_another_mesh_is_refused() {
+    let of = |mesh_frequency| {
+        Solver::new(Settings {
+            mesh_frequency,
+            ..settings()
+        })
+        .unwrap()
+    };
+    let run: Run = of(2).start(&CONFIGURATION).unwrap();
+    let error = of(3).go_on(run, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    assert!(matches!(error, FomError::AnotherRun { .. }), "{error}");
+}
+
+#[test]
+fn a_capsule_too_long_for_the_duct_is_refused_with_the_limit() {
+    let solver = Solver::new(settings()).unwrap();
+    let start = |confinement| {
+        solver.start(&Configuration {
+            confinement,
+            ..CONFIGURATION
+        })
+    };
+    let Err(FomError::TooLong { limit, .. }) = start(2.0) else {
+        panic!("it fits")
+    };
+    assert!(limit > 1.2 && limit < 2.0 && start(1.001 * limit).is_err(), "{limit}");
+    assert!(!matches!(start(0.999 * limit), Err(FomError::TooLong { .. })));
 }

@@ -62,6 +62,16 @@ pub struct Row {
     pub capillary_numbers: Vec<f64>,
 }
 
+impl Row {
+    /// That of the row's capillary number `index`.
+    pub fn configuration(&self, index: usize) -> Configuration {
+        Configuration {
+            capillary_number: self.capillary_numbers[index],
+            confinement: self.confinement,
+        }
+    }
+}
+
 impl DesignOptions {
     /// Whether a design was named.
     pub fn is_given(&self) -> bool {

@@ -1,5 +1,6 @@
 //! `capsule-rom fom sweep`: a design of experiment, resumable, one file a configuration.
 
+mod checkpoint;
 pub mod design;
 pub mod queue;
 pub mod rule;
@@ -8,7 +9,8 @@ use crate::solver_options::SolverOptions;
 use crate::{interrupt, progress, record};
 use anyhow::{Context, Result, bail};
 use capsule_database::Database;
-use capsule_fom::{Configuration, Solver, Status};
+use capsule_fom::{Configuration, Pause, Solver, Status};
+use checkpoint::Checkpoints;
 use clap::Args;
 use design::DesignOptions;
 use indicatif::ProgressBar;
@@ -51,8 +53,13 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let (rule, rows) = (options.design.rule()?, options.design.rows()?);
     let solver = Solver::new(options.solver.settings())?;
+    // If the longest capsule fits in the duct, all do: say so before anything is computed or written.
+    if let Some(longest) = rows.last() {
+        solver.start(&longest.configuration(0))?;
+    }
     let description = record::description(solver.settings())?;
     let database = Database::create(&options.database, description, record::mesh(&solver))?;
+    let checkpoints = Checkpoints::new(&database, solver.settings())?;
     let queue = Queue::new(rule, rows, &database.entries()?);
     let bars = progress::Sweep::new(options.quiet);
     bars.count(queue.count());
@@ -63,6 +70,7 @@ pub fn run(options: &Options) -> Result<()> {
                 let worker = Worker {
                     solver: &solver,
                     database: &database,
+                    checkpoints: &checkpoints,
                     queue: &queue,
                     bars: &bars,
                 };
@@ -77,7 +85,10 @@ pub fn run(options: &Options) -> Result<()> {
     bars.clear();
     results.into_iter().collect::<Result<Vec<()>>>()?;
     if interrupt::asked() {
-        bail!("interrupted; the same command goes on where it stopped");
+        bail!(
+            "interrupted; what was running is saved in {}, and the same command goes on from there",
+            checkpoints.folder().display()
+        );
     }
     let entries = database.entries()?;
     let steady = entries.iter().filter(|entry| entry.status.is_steady()).count();
@@ -93,6 +104,7 @@ pub fn run(options: &Options) -> Result<()> {
 struct Worker<'a> {
     solver: &'a Solver,
     database: &'a Database,
+    checkpoints: &'a Checkpoints,
     queue: &'a Queue,
     bars: &'a progress::Sweep,
 }
@@ -106,7 +118,13 @@ impl Worker<'_> {
         while !self.is_over() {
             let Some(configuration) = self.queue.next() else { break };
             let bar = self.bars.start(&configuration);
-            let result = alone.install(|| self.compute(&configuration, &bar));
+            let result = alone.install(|| self.compute(&configuration, &bar)).with_context(|| {
+                let Configuration {
+                    capillary_number,
+                    confinement,
+                } = configuration;
+                format!("Ca = {capillary_number}, a/l = {confinement}")
+            });
             bar.finish_and_clear();
             if result.is_err() {
                 // The others could not do better: a full disk, or settings that no configuration can have.
@@ -123,8 +141,13 @@ impl Worker<'_> {
         interrupt::asked() || self.queue.is_ended()
     }
 
+    /// Computes one configuration to its end and records it, or saves it where it was broken off.
     fn compute(&self, configuration: &Configuration, bar: &ProgressBar) -> Result<()> {
-        let outcome = self.solver.run(configuration, &mut |now| {
+        let run = match self.checkpoints.read(configuration) {
+            Some(run) => run,
+            None => self.solver.start(configuration)?,
+        };
+        let pause = self.solver.go_on(run, &mut |now| {
             progress::show_run(bar, now);
             if self.is_over() {
                 ControlFlow::Break(())
@@ -132,12 +155,15 @@ impl Worker<'_> {
                 ControlFlow::Continue(())
             }
         })?;
-        if self.is_over() {
-            return Ok(());
+        match pause {
+            Pause::BrokenOff(run) => self.checkpoints.save(&run),
+            Pause::Finished(outcome) => {
+                self.database.write(&record::trajectory(&outcome))?;
+                self.checkpoints.forget(configuration);
+                let steady = matches!(outcome.status, Status::Steady { .. });
+                self.queue.finish(configuration, steady);
+                Ok(())
+            }
         }
-        self.database.write(&record::trajectory(&outcome))?;
-        self.queue
-            .finish(configuration, matches!(outcome.status, Status::Steady { .. }));
-        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use super::{Rate, SpectralRadius, State, StepError, Stepper};
 
 /// A fixed-step scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Scheme {
     /// `u(t + h) = u + h v(u)`.
     ForwardEuler,
@@ -16,13 +16,15 @@ pub enum Scheme {
 /// Both schemes are stable for `h rho <= 2` on a real negative spectrum of radius `rho`. As a membrane can also
 /// saturate an instability into a jagged surface without failing, the radius is estimated at the start, every few
 /// hundred steps and when an evaluation fails.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FixedStep {
     scheme: Scheme,
     step: f64,
     steps: usize,
     spectral_radius: SpectralRadius,
+    #[serde(skip)]
     value: Vec<f64>,
+    #[serde(skip)]
     stage_rate: Vec<f64>,
 }
 

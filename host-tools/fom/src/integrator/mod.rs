@@ -12,11 +12,13 @@ pub use fixed_step::{FixedStep, Scheme};
 pub use rkc2::Rkc2;
 pub use spectral_radius::SpectralRadius;
 
+use crate::Integrator;
+
 /// The right-hand side: writes the rate of a value, or says why it cannot.
 pub type Rate<'a, E> = dyn FnMut(&[f64], &mut [f64]) -> Result<(), E> + 'a;
 
 /// A point of the solution with its rate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct State {
     /// The time.
     pub time: f64,
@@ -51,6 +53,38 @@ pub trait Stepper<E> {
     /// # Errors
     /// [`StepError`].
     fn step(&mut self, rate: &mut Rate<E>, state: &mut State, until: f64) -> Result<(), StepError<E>>;
+}
+
+/// The scheme of the settings with its memory of the steps before, which decides how it goes on.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub enum Integration {
+    /// One of the paper's.
+    FixedStep(FixedStep),
+    /// The stabilised one.
+    Rkc2(Rkc2),
+}
+
+/// Longest step of the stabilised integrator (l/V).
+const GREATEST_STEP: f64 = 0.2;
+
+impl Integration {
+    /// A scheme that has made no step yet.
+    pub fn new(integrator: &Integrator) -> Self {
+        match *integrator {
+            Integrator::ForwardEuler { step } => Self::FixedStep(FixedStep::new(Scheme::ForwardEuler, step)),
+            Integrator::Ralston { step } => Self::FixedStep(FixedStep::new(Scheme::Ralston, step)),
+            Integrator::Rkc2 { tolerance } => Self::Rkc2(Rkc2::new(tolerance, GREATEST_STEP)),
+        }
+    }
+}
+
+impl<E> Stepper<E> for Integration {
+    fn step(&mut self, rate: &mut Rate<E>, state: &mut State, until: f64) -> Result<(), StepError<E>> {
+        match self {
+            Self::FixedStep(scheme) => scheme.step(rate, state, until),
+            Self::Rkc2(scheme) => scheme.step(rate, state, until),
+        }
+    }
 }
 
 /// Why an integrator cannot go on.
@@ -118,5 +152,37 @@ pub(crate) mod test_problems {
     pub fn orders<S: Stepper<Infallible>>(scheme: impl Fn(f64) -> S) -> [f64; 2] {
         let errors = [0.1, 0.05, 0.025].map(|step| smooth_error(&mut scheme(step)));
         [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::test_problems::smooth;
+
+    #[test]
+    fn an_integration_saved_after_each_step_is_the_same() {
+        for integrator in [
+            Integrator::Rkc2 { tolerance: 1e-9 },
+            Integrator::ForwardEuler { step: 1e-3 },
+        ] {
+            let run = |save: bool| {
+                let mut integration = Integration::new(&integrator);
+                let mut state = State::new(0.0, vec![0.25, 2.0], &mut smooth).unwrap();
+                let mut steps = 0;
+                while state.time < 2.0 {
+                    integration.step(&mut smooth, &mut state, 2.0).unwrap();
+                    steps += 1;
+                    if save {
+                        let bytes = postcard::to_stdvec(&(&integration, &state)).unwrap();
+                        (integration, state) = postcard::from_bytes(&bytes).unwrap();
+                    }
+                }
+                (state, steps)
+            };
+            let (undisturbed, steps) = run(false);
+            assert!(steps > 50, "more than one estimate of the spectral radius");
+            assert_eq!(run(true), (undisturbed, steps));
+        }
     }
 }

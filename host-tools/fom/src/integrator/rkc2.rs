@@ -8,7 +8,7 @@ use super::{Rate, SpectralRadius, State, StepError, Stepper};
 use crate::surface::greatest_magnitude;
 
 /// RKC2 with its work space.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Rkc2 {
     tolerance: f64,
     greatest_step: f64,
@@ -21,7 +21,9 @@ pub struct Rkc2 {
     /// Accepted steps since the radius was estimated.
     age: usize,
     /// The last three stages.
+    #[serde(skip)]
     stages: [Vec<f64>; 3],
+    #[serde(skip)]
     stage_rate: Vec<f64>,
 }
 

@@ -3,10 +3,12 @@
 use super::{Rate, State};
 
 /// The dominant direction, kept from one estimate to the next.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SpectralRadius {
     direction: Vec<f64>,
+    #[serde(skip)]
     perturbed: Vec<f64>,
+    #[serde(skip)]
     rate: Vec<f64>,
 }
 
@@ -29,9 +31,9 @@ impl SpectralRadius {
             self.direction = (1..=size)
                 .map(|i| (i as f64 * 0.618_033_988_749_895).fract() - 0.5)
                 .collect();
-            self.perturbed = vec![0.0; size];
-            self.rate = vec![0.0; size];
         }
+        self.perturbed.resize(size, 0.0);
+        self.rate.resize(size, 0.0);
         let mut radius = 0.0;
         for _ in 0..ITERATION_LIMIT {
             let norm = self.direction.iter().map(|d| d * d).sum::<f64>().sqrt();
