@@ -1,8 +1,13 @@
 //! The membrane's mechanics as named quantities at the nodes and as totals.
 
+use anyhow::Result;
 use capsule_core::Real;
 use capsule_core::mechanics::Deformation;
+use capsule_database::fields::Instant;
 use capsule_database::vtu::PointData;
+use capsule_fom::mechanics::Mechanics;
+use capsule_fom::system::Discretisation;
+use capsule_fom::{Outcome, Settings};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -60,8 +65,8 @@ impl Column {
 pub fn columns<T: Real>(
     fields: &[Field],
     deformations: &[Deformation<T>],
-    load: impl FnOnce() -> Vec<[T; 3]>,
-) -> Vec<Column> {
+    load: impl FnOnce() -> Result<Vec<[T; 3]>>,
+) -> Result<Vec<Column>> {
     let asked = |field| fields.contains(&field) || fields.contains(&Field::All);
     let all = || deformations.iter();
     let mut columns = Vec::new();
@@ -80,7 +85,7 @@ pub fn columns<T: Real>(
         columns.push(Column::scalars("tension_2", all().map(second)));
     }
     if asked(Field::Load) {
-        columns.push(Column::vectors("load", load()));
+        columns.push(Column::vectors("load", load()?));
     }
     if asked(Field::Energy) {
         columns.push(Column::scalars(
@@ -88,7 +93,7 @@ pub fn columns<T: Real>(
             all().map(Deformation::energy_density),
         ));
     }
-    columns
+    Ok(columns)
 }
 
 /// Totals of an instant: area in l^2, energy in G_s l^2, pressure drop in mu V / l, tensions in G_s.
@@ -114,4 +119,72 @@ pub fn extremes<T: Real>(deformations: &[Deformation<T>]) -> [T; 3] {
         })
         .reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1]), a[2].min(b[2])])
         .unwrap_or([zero; 3])
+}
+
+/// All nodes at an instant, in the laboratory frame, with quantities.
+pub struct Surface {
+    pub time: f64,
+    pub positions: Vec<[f64; 3]>,
+    pub columns: Vec<Column>,
+}
+
+impl Surface {
+    /// As the writers take it.
+    pub fn instant(&self) -> Instant<'_> {
+        Instant {
+            time: self.time,
+            positions: &self.positions,
+            data: self.columns.iter().map(Column::data).collect(),
+        }
+    }
+}
+
+/// Totals at every snapshot of a full-order run, in the units of [`Totals`] and l^3.
+#[derive(Default, Serialize)]
+pub struct History {
+    area: Vec<f64>,
+    volume: Vec<f64>,
+    energy: Vec<f64>,
+    max_stretch: Vec<f64>,
+    max_tension: Vec<f64>,
+    min_tension: Vec<f64>,
+}
+
+/// The snapshots of a full-order run with velocities and the quantities that `fields` ask for, and their totals.
+pub fn of_run(fields: &[Field], settings: &Settings, outcome: &Outcome) -> Result<(Vec<Surface>, Option<History>)> {
+    let surface = |(i, &time): (usize, &f64)| Surface {
+        time,
+        positions: outcome.positions[i].clone(),
+        columns: vec![Column::vectors("velocity", outcome.velocities[i].iter().copied())],
+    };
+    let mut surfaces: Vec<_> = outcome.times.iter().enumerate().map(surface).collect();
+    if fields.is_empty() {
+        return Ok((surfaces, None));
+    }
+    let discretisation = Discretisation::new(settings.mesh_frequency, settings.symmetric, settings.membrane)?;
+    let mechanics = Mechanics::new(&discretisation)?;
+    let (radius, capillary_number) = (
+        outcome.configuration.confinement,
+        outcome.configuration.capillary_number,
+    );
+    let mut history = History::default();
+    for (surface, centroid) in surfaces.iter_mut().zip(&outcome.centroid) {
+        let centred: Vec<_> = surface
+            .positions
+            .iter()
+            .map(|[x, y, z]| [x - centroid, *y, *z])
+            .collect();
+        let deformations = mechanics.deformations(&centred, radius)?;
+        let totals = mechanics.totals(&centred, radius);
+        let [max_stretch, max_tension, min_tension] = extremes(&deformations);
+        history.area.push(totals.area);
+        history.volume.push(totals.volume);
+        history.energy.push(totals.energy);
+        history.max_stretch.push(max_stretch);
+        history.max_tension.push(max_tension);
+        history.min_tension.push(min_tension);
+        let load = || Ok(mechanics.load(&centred, radius, capillary_number)?);
+        surface.columns.extend(columns(fields, &deformations, load)?);
+    }
+    Ok((surfaces, Some(history)))
 }

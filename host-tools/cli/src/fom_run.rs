@@ -1,5 +1,6 @@
 //! `capsule-rom fom run`: one configuration of the full-order model.
 
+use crate::fields::{self, Field, Surface};
 use crate::solver_options::SolverOptions;
 use crate::{interrupt, print, progress, record};
 use anyhow::{Result, bail};
@@ -7,7 +8,7 @@ use capsule_database::{Database, vtu};
 use capsule_fom::{Configuration, Outcome, Solver, Status};
 use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -26,6 +27,15 @@ pub struct Options {
     /// Write the snapshots as a ParaView series and as a snapshot database into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Mechanics of the membrane: at the nodes in --out, --csv and --npz, their totals in --json
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "FIELD,...")]
+    fields: Vec<Field>,
+    /// Write the fields as CSV, a row for each snapshot and node
+    #[arg(long, value_name = "FILE", requires = "fields")]
+    csv: Option<PathBuf>,
+    /// Write positions, velocities and fields as arrays for NumPy
+    #[arg(long, value_name = "FILE", requires = "fields")]
+    npz: Option<PathBuf>,
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
@@ -35,7 +45,8 @@ const EXAMPLES: &str = "\
 Examples:
   capsule-rom fom run --ca 0.10 --confinement 0.90
   capsule-rom fom run --ca 0.10 --confinement 0.90 --mesh 13 --json > run.json
-  capsule-rom fom run --ca 0.05 --confinement 1.00 --integrator ralston --step 5e-4 --out run/";
+  capsule-rom fom run --ca 0.05 --confinement 1.00 --integrator ralston --step 5e-4 --out run/
+  capsule-rom fom run --ca 0.10 --confinement 0.90 --fields tension,load,energy --npz fields.npz --out run/";
 
 #[derive(Serialize)]
 struct Run<'a> {
@@ -58,6 +69,8 @@ struct Run<'a> {
     history: History<'a>,
     profile_midplane: Vec<[f64; 2]>,
     profile_diagonal: Vec<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mechanics: Option<fields::History>,
 }
 
 #[derive(Clone, Copy, Serialize)]
@@ -86,18 +99,27 @@ pub fn run(options: &Options) -> Result<()> {
     })?;
     bar.finish_and_clear();
     if interrupt::asked() {
-        bail!("interrupted");
+        bail!(
+            "interrupted, nothing is written; `capsule-rom fom sweep --database DIR --ca {} --confinement {}` with the \
+             same solver's options can be interrupted and goes on where it stopped",
+            options.ca,
+            options.confinement
+        );
     }
-    if let Some(folder) = &options.out {
-        write(folder, &solver, &outcome)?;
-    }
+    let (surfaces, mechanics) = fields::of_run(&options.fields, solver.settings(), &outcome)?;
+    write(options, &solver, &outcome, &surfaces)?;
     if options.json {
-        return print::json(&summary(options, &solver, &outcome));
+        return print::json(&summary(options, &solver, &outcome, mechanics));
     }
     report(&outcome)
 }
 
-fn summary<'a>(options: &Options, solver: &Solver, outcome: &'a Outcome) -> Run<'a> {
+fn summary<'a>(
+    options: &Options,
+    solver: &Solver,
+    outcome: &'a Outcome,
+    mechanics: Option<fields::History>,
+) -> Run<'a> {
     let history = &outcome.history;
     let steady_time = match outcome.status {
         Status::Steady { time } => Some(time),
@@ -129,6 +151,7 @@ fn summary<'a>(options: &Options, solver: &Solver, outcome: &'a Outcome) -> Run<
         history: columns,
         profile_midplane: outcome.profile_midplane.clone(),
         profile_diagonal: outcome.profile_diagonal.clone(),
+        mechanics,
     }
 }
 
@@ -184,16 +207,28 @@ fn report(outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-fn write(folder: &Path, solver: &Solver, outcome: &Outcome) -> Result<()> {
+fn write(options: &Options, solver: &Solver, outcome: &Outcome, surfaces: &[Surface]) -> Result<()> {
     let mesh = record::mesh(solver);
-    let trajectory = record::trajectory(outcome);
+    let instants: Vec<_> = surfaces.iter().map(Surface::instant).collect();
+    if let Some(file) = &options.csv {
+        let title = format!(
+            "capsule-rom fom run; Ca = {}; a/l = {}",
+            options.ca, options.confinement
+        );
+        capsule_database::fields::write_csv(file, &title, &instants)?;
+    }
+    if let Some(file) = &options.npz {
+        capsule_database::fields::write_npz(file, &mesh, &instants)?;
+    }
+    let Some(folder) = &options.out else {
+        return Ok(());
+    };
     let mut series = vtu::Series::create(folder, "capsule")?;
-    for (i, &t) in trajectory.times.iter().enumerate() {
-        let velocity = vtu::PointData::Vector("velocity", &trajectory.velocities[i]);
-        series.add(t, &mesh, &trajectory.positions[i], &[velocity])?;
+    for instant in &instants {
+        series.add(instant.time, &mesh, instant.positions, &instant.data)?;
     }
     series.finish()?;
     let description = record::description(solver.settings())?;
-    Database::create(&folder.join("snapshots"), description, mesh)?.write(&trajectory)?;
+    Database::create(&folder.join("snapshots"), description, mesh)?.write(&record::trajectory(outcome))?;
     Ok(())
 }

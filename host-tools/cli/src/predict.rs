@@ -1,11 +1,11 @@
 //! `capsule-rom predict`: the reduced-order model at chosen instants.
 
-use crate::fields::{self, Column, Field, Totals};
+use crate::fields::{self, Column, Field, Surface, Totals};
 use crate::{model, outlines, print};
 use anyhow::{Context, Result};
 use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
-use capsule_database::vtu::{self, PointData};
+use capsule_database::vtu;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -162,7 +162,7 @@ pub fn run(options: &Options) -> Result<()> {
         let surfaces = options
             .t
             .iter()
-            .map(|&t| Surface::new(&model, &mut evaluator, mechanics.as_mut(), t))
+            .map(|&t| surface(&model, &mut evaluator, mechanics.as_mut(), t))
             .collect::<Result<Vec<_>>>()?;
         let instants: Vec<_> = surfaces.iter().map(Surface::instant).collect();
         let mesh = database_mesh(&model);
@@ -270,48 +270,39 @@ impl<'o> Mechanics<'o> {
     }
 }
 
-/// All nodes at an instant, in the laboratory frame.
-struct Surface {
+/// All nodes at an instant, with velocities and what is asked of the membrane.
+fn surface(
+    model: &Model<'_>,
+    evaluator: &mut Evaluator<'_, f32>,
+    mechanics: Option<&mut Mechanics>,
     t: f32,
-    positions: Vec<[f64; 3]>,
-    columns: Vec<Column>,
-}
-
-impl Surface {
-    fn new(
-        model: &Model<'_>,
-        evaluator: &mut Evaluator<'_, f32>,
-        mechanics: Option<&mut Mechanics>,
-        t: f32,
-    ) -> Result<Self> {
-        let scene = Scene {
-            nodes: Nodes::All,
-            frame: Frame::Laboratory,
-        };
-        let mesh = model.mesh();
-        let mut nodes = vec![[0.0_f32; 3]; mesh.nodes()];
-        let mut instant = evaluator.at(t)?;
-        instant.positions(&scene, &mut nodes)?;
-        let positions = nodes.iter().map(|point| point.map(f64::from)).collect();
-        instant.velocities(&scene, &mut nodes)?;
-        let mut columns = vec![Column::vectors("velocity", nodes)];
-        if let Some(mechanics) = mechanics {
-            let sector = mechanics.deformations(evaluator, t)?;
-            let carried = |(index, operation): (usize, u8)| sector[index].carried(operation);
-            let full: Vec<_> = (0..mesh.nodes()).filter_map(|node| mesh.origin(node)).map(carried).collect();
-            let load = || full.iter().map(|at| at.load(mechanics.capillary_number)).collect();
-            columns.extend(fields::columns(mechanics.fields, &full, load));
-        }
-        Ok(Self { t, positions, columns })
+) -> Result<Surface> {
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mesh = model.mesh();
+    let mut nodes = vec![[0.0_f32; 3]; mesh.nodes()];
+    let mut instant = evaluator.at(t)?;
+    instant.positions(&scene, &mut nodes)?;
+    let positions = nodes.iter().map(|point| point.map(f64::from)).collect();
+    instant.velocities(&scene, &mut nodes)?;
+    let mut columns = vec![Column::vectors("velocity", nodes)];
+    if let Some(mechanics) = mechanics {
+        let sector = mechanics.deformations(evaluator, t)?;
+        let carried = |(index, operation): (usize, u8)| sector[index].carried(operation);
+        let full: Vec<_> = (0..mesh.nodes())
+            .filter_map(|node| mesh.origin(node))
+            .map(carried)
+            .collect();
+        let load = || Ok(full.iter().map(|at| at.load(mechanics.capillary_number)).collect());
+        columns.extend(fields::columns(mechanics.fields, &full, load)?);
     }
-
-    fn instant(&self) -> capsule_database::fields::Instant<'_> {
-        capsule_database::fields::Instant {
-            time: self.t.into(),
-            positions: &self.positions,
-            data: self.columns.iter().map(Column::data).collect::<Vec<PointData>>(),
-        }
-    }
+    Ok(Surface {
+        time: t.into(),
+        positions,
+        columns,
+    })
 }
 
 fn write_csv(file: &Path, title: &str, instants: &[InstantRow]) -> Result<()> {
