@@ -24,12 +24,14 @@ enum Stage {
     Rust,
     /// the core on an emulated Cortex-M4F
     Firmware,
+    /// a sharded sweep on a Slurm of one node
+    Cluster,
     /// the page: types, lint, and a drive through it in Chromium
     Browser,
 }
 
 impl Stage {
-    const ALL: [Self; 4] = [Self::Lint, Self::Rust, Self::Firmware, Self::Browser];
+    const ALL: [Self; 5] = [Self::Lint, Self::Rust, Self::Firmware, Self::Cluster, Self::Browser];
 
     /// Brings what the stage needs beyond rustup.
     fn set_up(self) -> Result<()> {
@@ -39,6 +41,7 @@ impl Stage {
                 setup::rust_target("thumbv7em-none-eabihf")?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
             }
+            Self::Cluster => setup::debian_package("slurmctld", "slurmctld slurmd slurm-client munge"),
             Self::Browser => {
                 setup::rust_target("wasm32-unknown-unknown")?;
                 setup::debian_package("chromium", "chromium")?;
@@ -59,6 +62,7 @@ impl Stage {
             }
             Self::Rust => run(&mut command("cargo test --workspace")),
             Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
+            Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
             Self::Browser => {
                 explore::build()?;
                 run(&mut command("cargo build --quiet --package capsule-cli"))?;
