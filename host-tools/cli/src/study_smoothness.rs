@@ -45,7 +45,16 @@ pub fn run(options: &Options) -> Result<()> {
         }
     }
     print::table(
-        &["a/l", "frame", "order", "greatest/%a", "at Ca", "at t", "median/%a", "scatter/%a"],
+        &[
+            "a/l",
+            "frame",
+            "order",
+            "greatest/%a",
+            "at Ca",
+            "at t",
+            "median/%a",
+            "scatter/%a",
+        ],
         &table,
     )
 }
