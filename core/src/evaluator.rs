@@ -2,7 +2,7 @@
 
 use crate::error::EvaluateError;
 use crate::expected_error::expected_error;
-use crate::interpolate::{RIDGE_ROWS, Weights};
+use crate::interpolate::{Plane, RIDGE_ROWS, Weights};
 use crate::linalg::{part, part_mut};
 use crate::mechanics::Membrane;
 use crate::model::wire::Cluster;
@@ -78,8 +78,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         workspace.weights = match query.method {
             Method::Direct => {
                 let scratch = workspace.scratch.as_flattened_mut();
-                let limit = |confinement| self.model.steady_limit(confinement);
-                Weights::kernel(&contents.kernel, limit, samples, parameters, None, scratch)?
+                let plane = Plane::new(contents);
+                Weights::kernel(&contents.kernel, &plane, samples, parameters, None, scratch)?
             }
             Method::Paper => Weights::diffuse(&contents.paper, samples, parameters, None)?,
         };

@@ -42,6 +42,7 @@ impl<'a, 's, T: Real> Motion<'a, 's, T> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Field<'a, 's, T> {
     pub(crate) modes: MatrixView<'a>,
+    translation: MatrixView<'a>,
     coefficients: MatrixView<'a>,
     psi: &'s [T],
 }
@@ -53,6 +54,7 @@ impl<'a, 's, T: Real> Field<'a, 's, T> {
         let psi = part(psi, 0..coefficients.columns());
         Self {
             modes: MatrixView::new(&field.modes),
+            translation: MatrixView::new(&field.translation),
             coefficients,
             psi,
         }
@@ -65,12 +67,18 @@ impl<'a, 's, T: Real> Field<'a, 's, T> {
 
     /// Coefficient `k` at the stored instant `i`.
     pub(crate) fn coefficient(&self, i: usize, k: usize) -> T {
-        self.coefficients.dot(i * self.rank() + k, self.psi)
+        match k.checked_sub(1) {
+            None => self.translation.dot(i, self.psi),
+            Some(mode) => self.coefficients.dot(i * self.modes.columns() + mode, self.psi),
+        }
     }
 
     /// All coefficients at the stored instant `i` (eqs. 21 to 24), as many as `out` holds.
     pub(crate) fn at_instant(&self, i: usize, out: &mut [T]) {
-        self.coefficients.multiply(i * self.rank(), self.psi, out);
+        if let Some((translation, shape)) = out.split_first_mut() {
+            *translation = self.translation.dot(i, self.psi);
+            self.coefficients.multiply(i * self.modes.columns(), self.psi, shape);
+        }
     }
 }
 

@@ -113,10 +113,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 2);
-    assert_eq!(newer, OpenError::Version { found: 2, supported: 1 });
+    let newer = open(&|file| file[4] = 3);
+    assert_eq!(newer, OpenError::Version { found: 3, supported: 2 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 1 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 2 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -125,7 +125,7 @@ fn a_damaged_header_is_refused() {
 /// Puts a right header before a payload.
 fn with_header(payload: &[u8]) -> Vec<u8> {
     let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
-    let words = [u32::from_le_bytes(*b"CROM"), 1, payload.len() as u32, checksum];
+    let words = [u32::from_le_bytes(*b"CROM"), 2, payload.len() as u32, checksum];
     words
         .into_iter()
         .flat_map(u32::to_le_bytes)
@@ -213,6 +213,7 @@ fn wrong_numbers_are_refused() {
     number("times")(refused(|c| c.times = changed(&c.times, 3, 0.1)));
     number("times")(refused(|c| c.times = changed(&c.times, 0, 0.01)));
     number("error times")(refused(|c| c.error_times = changed(&c.error_times, 1, f32::NAN)));
+    number("border")(refused(|c| c.border = Matrix::f32(1, 2, &[255; 8])));
     number("steady limit")(refused(|c| c.steady_limit = changed(&c.steady_limit, 2, 0.7)));
     let error = refused(|c| c.steady_limit = changed(&c.steady_limit, 3, 0.0));
     assert!(matches!(error, OpenError::Setting { value: 0.0, .. }), "{error}");

@@ -1,15 +1,11 @@
 //! Quintic kernel with a quadratic tail on the nearest samples.
 //!
-//! Distances are taken in a plane in which the solution varies evenly, see [`place`]: fast at small Ca, where the square
-//! root stretches it, and along the steady limit Ca_lim(a/l), which the plane lays more nearly parallel to an axis, so that
-//! a query near the limit finds samples as near to it on the rows beside its own.
-//!
 //! The weights minimise the error's variance under the generalised covariance -r^5, subject to the exact reproduction
 //! of quadratics. They are found in the null space of the constraints, where the kernel's matrix is positive definite:
 //! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
 
 use super::neighbours::{Neighbour, nearest};
-use super::{Weights, at_query, covariance};
+use super::{Plane, Weights, at_query, covariance};
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot, part, part_mut};
@@ -18,15 +14,9 @@ use crate::model::wire::Kernel;
 /// Degree of the tail.
 const DEGREE: usize = 2;
 
-/// Where parameters (Ca, a/l) lie in the plane of distances: (s sqrt(Ca) / Ca_lim(a/l)^(1/4), a/l).
-fn place<T: Real>(scale: T, limit: impl Fn(T) -> T, [capillary_number, confinement]: [T; 2]) -> [T; 2] {
-    let root = limit(confinement).sqrt();
-    [scale * (capillary_number.max(T::ZERO) / root).sqrt(), confinement]
-}
-
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by the quintic kernel. `limit` is Ca_lim(a/l) > 0.
-    /// `left_out` is a sample that takes no part. `scratch` holds N^2 entries.
+    /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by the quintic kernel. `left_out` is a sample that takes
+    /// no part. `scratch` holds N^2 entries.
     ///
     /// Where the nearest samples lie on a curve of second degree or on a line, the monomials that they cannot tell
     /// apart are left out of the tail.
@@ -36,16 +26,18 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// [`EvaluateError::BufferTooShort`] for the scratch.
     pub fn kernel(
         settings: &Kernel,
-        limit: impl Fn(T) -> T,
+        plane: &Plane<'_>,
         samples: impl Iterator<Item = [T; 2]>,
         query: [T; 2],
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<Self, EvaluateError> {
-        let scale = T::from_f64(settings.capillary_scale);
-        let origin = place(scale, &limit, query);
+        let origin = plane.place(query);
         let offsets = samples.map(|sample| {
-            let place = place(scale, &limit, sample);
+            if plane.apart(sample, query) {
+                return [T::from_f32(f32::INFINITY); 2];
+            }
+            let place = plane.place(sample);
             [place[0] - origin[0], place[1] - origin[1]]
         });
         let mut neighbours = [Neighbour::NONE; N];

@@ -3,6 +3,7 @@
 mod diffuse;
 mod kernel;
 pub(crate) mod neighbours;
+mod plane;
 
 use crate::Real;
 use crate::error::EvaluateError;
@@ -10,6 +11,7 @@ use crate::linalg::{dot, part_mut};
 use crate::model::MatrixView;
 pub(crate) use diffuse::{RIDGE_ROWS, weight};
 use neighbours::Neighbour;
+pub use plane::Plane;
 
 /// Monomials of the quadratic tail: 1, x, y, x^2, x y, y^2.
 const MONOMIALS: usize = 6;
@@ -143,7 +145,8 @@ fn norm<T: Real>(vector: [T; 2]) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::wire::{Kernel, Paper};
+    use crate::model::Curve;
+    use crate::model::wire::{Kernel, Matrix, Paper};
 
     const N: usize = 32;
     const KERNEL: Kernel = Kernel {
@@ -159,9 +162,18 @@ mod tests {
         window: 2.0,
     };
 
-    /// A steady limit.
-    fn limit<T: Real>(confinement: T) -> T {
-        T::from_f64(0.3) - T::from_f64(0.2) * confinement
+    /// A steady limit, linear in a/l.
+    fn limit(confinement: f64) -> f64 {
+        0.3 - 0.2 * confinement
+    }
+
+    /// The bytes of rows (a/l, Ca).
+    fn points(points: [[f32; 2]; 2]) -> [u8; 16] {
+        let mut bytes = [0; 16];
+        for (bytes, value) in bytes.chunks_exact_mut(4).zip(points.as_flattened()) {
+            bytes.copy_from_slice(&value.to_le_bytes());
+        }
+        bytes
     }
 
     /// A grid of samples, 20 x `rows`.
@@ -173,10 +185,27 @@ mod tests {
     }
 
     fn weights<T: Real>(kernel: bool, rows: usize, query: [f64; 2], left_out: Option<usize>) -> Weights<T, N> {
+        weights_beside(&Matrix::f32(0, 2, &[]), kernel, rows, query, left_out)
+    }
+
+    /// The same in a plane that is cut.
+    fn weights_beside<T: Real>(
+        border: &Matrix<'_>,
+        kernel: bool,
+        rows: usize,
+        query: [f64; 2],
+        left_out: Option<usize>,
+    ) -> Weights<T, N> {
+        let limit = points([[0.5, 0.2], [1.25, 0.05]]);
+        let plane = Plane {
+            capillary_scale: KERNEL.capillary_scale,
+            limit: Curve::new(&Matrix::f32(2, 2, &limit)),
+            border: Curve::new(border),
+        };
         let query = query.map(T::from_f64);
         let mut scratch = [T::ZERO; N * N];
         let weights = if kernel {
-            Weights::kernel(&KERNEL, limit, grid(rows), query, left_out, &mut scratch)
+            Weights::kernel(&KERNEL, &plane, grid(rows), query, left_out, &mut scratch)
         } else {
             Weights::diffuse(&PAPER, grid(rows), query, left_out)
         };
@@ -198,7 +227,7 @@ mod tests {
     fn both_reproduce_quadratics_in_their_coordinates() {
         for query in QUERIES {
             let root = |[ca, y]: [f64; 2]| {
-                let x = (ca / limit(y).sqrt()).sqrt();
+                let x = (ca / limit(y).sqrt().sqrt()).sqrt();
                 1.0 + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
             };
             let found = interpolate(&weights::<f64>(true, 10, query, None), 10, root);
@@ -248,6 +277,24 @@ mod tests {
             assert!(weights.iter().all(|(sample, _)| sample != 22));
             assert!(weights.deviation() > 0.0);
         }
+    }
+
+    #[test]
+    fn weights_do_not_cross_the_border() {
+        let bytes = points([[0.7, 0.035], [1.0, 0.035]]);
+        let border = Matrix::f32(2, 2, &bytes);
+        let place = |sample: usize| grid::<f64>(10).nth(sample).unwrap();
+        for (query, below) in [([0.033, 0.92], true), ([0.037, 0.92], false)] {
+            let weights = weights_beside::<f64>(&border, true, 10, query, None);
+            for (sample, _) in weights.iter() {
+                let [ca, confinement] = place(sample);
+                assert!((ca < 0.035) == below || confinement > 1.0, "{ca} {confinement}");
+            }
+        }
+        // Beyond its ends it parts nothing.
+        let beyond = weights_beside::<f64>(&border, true, 10, [0.035, 1.03], None);
+        let both = [true, false].map(|below| beyond.iter().any(|(j, _)| (place(j)[0] < 0.035) == below));
+        assert_eq!(both, [true, true]);
     }
 
     #[test]

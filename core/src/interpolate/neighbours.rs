@@ -16,7 +16,7 @@ pub(crate) struct Neighbour<T> {
 }
 
 /// The nearest samples in order of distance (at equal distance, of their number), as many as `out` holds; returns how
-/// many there are.
+/// many there are. Those at no finite distance take no part.
 pub(crate) fn nearest<T: Real>(
     offsets: impl Iterator<Item = [T; 2]>,
     left_out: Option<usize>,
@@ -28,6 +28,9 @@ pub(crate) fn nearest<T: Real>(
             continue;
         }
         let distance = norm(offset);
+        if !distance.is_finite() {
+            continue;
+        }
         // Most are farther than all that are kept.
         if count == out.len() && out.last().is_some_and(|last| last.distance <= distance) {
             continue;
@@ -73,5 +76,8 @@ mod tests {
         assert_eq!(nearest(offsets.into_iter(), Some(4), &mut out), 3);
         assert_eq!(out.map(|neighbour| neighbour.sample), [1, 3, 2]);
         assert_eq!(nearest(offsets.into_iter().take(1), None, &mut out), 1);
+        let apart = offsets.map(|[x, y]| if x > 1.0 { [f64::INFINITY; 2] } else { [x, y] });
+        assert_eq!(nearest(apart.into_iter(), None, &mut out), 3);
+        assert_eq!(out.map(|neighbour| neighbour.sample), [4, 1, 3]);
     }
 }

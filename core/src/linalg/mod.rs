@@ -40,6 +40,24 @@ pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T)
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
+/// As [`dot_by`], of entries that have units of the same length.
+pub(crate) fn dot_scaled<E: Copy, U: Copy, T: Real>(a: &[E], units: &[U], x: &[T], value: impl Fn(E, U) -> T) -> T {
+    let mut lanes = [T::ZERO; LANES];
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (unit_chunks, unit_rest) = units.as_chunks::<LANES>();
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    for ((a, units), x) in a_chunks.iter().zip(unit_chunks).zip(x_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += value(a[lane], units[lane]) * x[lane];
+        }
+    }
+    for (((lane, a), unit), x) in lanes.iter_mut().zip(a_rest).zip(unit_rest).zip(x_rest) {
+        *lane += value(*a, *unit) * *x;
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
 /// Dot product of two vectors.
 pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     dot_by(a, x, |value| value)

@@ -1,8 +1,8 @@
 //! Views that read numbers in place, from wherever the file lies.
 
-use super::wire::{Blob, Matrix};
+use super::wire::{Blob, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::dot_by;
+use crate::linalg::{dot_by, dot_scaled};
 
 /// A stored matrix, row-major; reads single by single where the bytes are not aligned.
 #[derive(Clone, Copy, Debug)]
@@ -16,15 +16,27 @@ pub struct MatrixView<'a> {
 enum Entries<'a> {
     Aligned(&'a [f32]),
     Bytes(&'a [[u8; 4]]),
+    /// Integers in the units of their columns.
+    Scaled {
+        units: &'a [[u8; 4]],
+        integers: &'a [[u8; 2]],
+    },
 }
 
 impl<'a> MatrixView<'a> {
     /// A view of a matrix; entries that its bytes do not hold read as 0.
     pub fn new(matrix: &Matrix<'a>) -> Self {
         let data = matrix.blob.data;
-        let entries = match bytemuck::try_cast_slice(data) {
-            Ok(singles) if cfg!(target_endian = "little") => Entries::Aligned(singles),
-            _ => Entries::Bytes(data.as_chunks().0),
+        let entries = match (matrix.encoding, bytemuck::try_cast_slice(data)) {
+            (Encoding::F32, Ok(singles)) if cfg!(target_endian = "little") => Entries::Aligned(singles),
+            (Encoding::F32, _) => Entries::Bytes(data.as_chunks().0),
+            (Encoding::I16, _) => {
+                let (units, integers) = data.split_at_checked(4 * matrix.columns as usize).unwrap_or_default();
+                Entries::Scaled {
+                    units: units.as_chunks().0,
+                    integers: integers.as_chunks().0,
+                }
+            }
         };
         Self {
             rows: matrix.rows as usize,
@@ -49,6 +61,10 @@ impl<'a> MatrixView<'a> {
         match self.entries {
             Entries::Aligned(entries) => entries.get(index).copied().unwrap_or_default(),
             Entries::Bytes(entries) => entries.get(index).map_or(0.0, |bytes| f32::from_le_bytes(*bytes)),
+            Entries::Scaled { units, integers } => match (units.get(column), integers.get(index)) {
+                (Some(unit), Some(integer)) => f32::from_le_bytes(*unit) * f32::from(i16::from_le_bytes(*integer)),
+                _ => 0.0,
+            },
         }
     }
 
@@ -65,6 +81,12 @@ impl<'a> MatrixView<'a> {
             Entries::Bytes(entries) => dot_by(entries.get(range).unwrap_or_default(), x, |bytes| {
                 T::from_f32(f32::from_le_bytes(bytes))
             }),
+            Entries::Scaled { units, integers } => {
+                let integers = integers.get(range).unwrap_or_default();
+                dot_scaled(integers, units, x, |integer, unit| {
+                    T::from_f32(f32::from(i16::from_le_bytes(integer)) * f32::from_le_bytes(unit))
+                })
+            }
         }
     }
 
@@ -117,6 +139,27 @@ impl<'a> Indices<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn integers_read_in_the_units_of_their_columns() {
+        let (units, integers) = ([0.5_f32, 1e-3], [3_i16, -2000, -32767, 7, 0, 1]);
+        let mut bytes = [0_u8; 20];
+        for (bytes, unit) in bytes.chunks_exact_mut(4).zip(units) {
+            bytes.copy_from_slice(&unit.to_le_bytes());
+        }
+        for (bytes, integer) in bytes[8..].chunks_exact_mut(2).zip(integers) {
+            bytes.copy_from_slice(&integer.to_le_bytes());
+        }
+        let view = MatrixView::new(&Matrix::new(3, 2, Encoding::I16, &bytes));
+        let expected = [[1.5, -2.0], [-16383.5, 7e-3], [0.0, 1e-3]];
+        let mut found = [0.0_f64; 3];
+        view.multiply(0, &[2.0, 10.0], &mut found);
+        for (row, [a, b]) in expected.into_iter().enumerate() {
+            assert_eq!([view.get(row, 0), view.get(row, 1)], [a, b]);
+            assert!((found[row] - f64::from(2.0 * a + 10.0 * b)).abs() < 1e-3);
+        }
+        assert_eq!((view.get(3, 0), view.get(0, 2)), (0.0, 0.0));
+    }
 
     #[test]
     fn aligned_and_unaligned_bytes_read_alike() {

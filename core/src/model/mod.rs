@@ -4,12 +4,14 @@
 //! u32) and one postcard message, see [`wire`]. [`Model::open`] checks everything once; after it no accessor and no
 //! evaluation depends on the file being well made any more.
 
+mod curve;
 mod encode;
 mod matrix;
 mod mesh;
 mod validate;
 pub mod wire;
 
+pub use curve::Curve;
 pub use encode::encode;
 pub use matrix::{Indices, MatrixView};
 pub use mesh::Mesh;
@@ -26,7 +28,7 @@ pub const MIDPLANE: &str = "midplane";
 pub const DIAGONAL: &str = "diagonal";
 
 const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER_LENGTH: usize = 16;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -98,25 +100,10 @@ impl<'a> Model<'a> {
 
     /// The largest Ca that has a steady state at a confinement, linear between the stored points and constant beyond.
     pub fn steady_limit<T: Real>(&self, confinement: T) -> T {
-        let limit = MatrixView::new(&self.contents.steady_limit);
-        let point = |i| [0, 1].map(|column| T::from_f32(limit.get(i, column)));
-        let (mut low, mut high) = (0, limit.rows().saturating_sub(1));
-        while high - low > 1 {
-            let middle = (low + high) / 2;
-            *(if confinement < point(middle)[0] {
-                &mut high
-            } else {
-                &mut low
-            }) = middle;
-        }
-        let ([x0, y0], [x1, y1]) = (point(low), point(high));
-        if confinement <= x0 {
-            y0
-        } else if confinement >= x1 {
-            y1
-        } else {
-            y0 + (y1 - y0) * (confinement - x0) / (x1 - x0)
-        }
+        // Validation refuses a curve without points.
+        Curve::new(&self.contents.steady_limit)
+            .at(confinement)
+            .unwrap_or(T::ZERO)
     }
 
     /// Where a pair of parameters lies; numbers that are not finite lie outside.

@@ -1,7 +1,7 @@
 //! The checks of [`Model::open`](super::Model::open): dimensions, indices, ranges, finiteness.
 
 use super::matrix::{Indices, MatrixView};
-use super::wire::{Blob, Cluster, Contents, Errors, Field, Matrix, Mesh};
+use super::wire::{Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Mesh};
 use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 
@@ -37,6 +37,9 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
             1e6,
         )?;
     }
+
+    dimension("columns of the border", 2, contents.border.columns)?;
+    rising("border", &contents.border, 0)?;
 
     let kernel = &contents.kernel;
     setting("neighbours of the kernel", kernel.neighbours.into(), 1.0, 1e4)?;
@@ -192,10 +195,16 @@ fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize
 fn field(field: &Field<'_>, nodes: usize, times: usize, samples: usize) -> Result<(), OpenError> {
     dimension("rows of the modes", 3 * nodes, field.modes.rows)?;
     matrix("modes", &field.modes, -LARGEST, LARGEST)?;
-    let rank = (field.modes.columns as usize).saturating_add(1);
+    dimension("rows of the translation", times, field.translation.rows)?;
+    dimension(
+        "columns of the translation",
+        field.coefficients.columns as usize,
+        field.translation.columns,
+    )?;
+    matrix("translation", &field.translation, -LARGEST, LARGEST)?;
     dimension(
         "rows of the coefficients",
-        times.saturating_mul(rank),
+        times.saturating_mul(field.modes.columns as usize),
         field.coefficients.rows,
     )?;
     matrix("coefficients", &field.coefficients, -LARGEST, LARGEST)?;
@@ -261,18 +270,25 @@ fn indices<'a>(what: &'static str, blob: &Blob<'a>, count: usize, bound: usize) 
 /// Checks the length of a matrix and that every entry lies within bounds.
 fn matrix<'a>(what: &'static str, matrix: &Matrix<'a>, min: f32, max: f32) -> Result<MatrixView<'a>, OpenError> {
     let [rows, columns] = [matrix.rows, matrix.columns].map(|count| count as usize);
-    length(what, &matrix.blob, rows.saturating_mul(columns).saturating_mul(4))?;
+    let count = rows.saturating_mul(columns);
+    let bytes = match matrix.encoding {
+        Encoding::F32 => count.saturating_mul(4),
+        Encoding::I16 => count.saturating_mul(2).saturating_add(columns.saturating_mul(4)),
+    };
+    length(what, &matrix.blob, bytes)?;
     let view = MatrixView::new(matrix);
-    for index in 0..rows * columns {
-        let value = view.get(0, index);
-        if !(min <= value && value <= max) {
-            let expected = "a finite number in the array's range";
-            return Err(OpenError::Number {
-                what,
-                index,
-                value,
-                expected,
-            });
+    for row in 0..rows {
+        for column in 0..columns {
+            let value = view.get(row, column);
+            if !(min <= value && value <= max) {
+                let expected = "a finite number in the array's range";
+                return Err(OpenError::Number {
+                    what,
+                    index: row * columns + column,
+                    value,
+                    expected,
+                });
+            }
         }
     }
     Ok(view)

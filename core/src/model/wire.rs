@@ -34,6 +34,9 @@ pub struct Contents<'a> {
     pub error_times: Matrix<'a>,
     /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between.
     pub steady_limit: Matrix<'a>,
+    /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l strictly
+    /// rising; linear between, and no border beyond. May be empty.
+    pub border: Matrix<'a>,
     /// Method that a caller should take when it has no wish of its own.
     pub default_method: Method,
     /// Settings of [`Method::Direct`].
@@ -136,7 +139,9 @@ pub struct Field<'a> {
     /// the FULL mesh.
     #[serde(borrow)]
     pub modes: Matrix<'a>,
-    /// Coefficients `[N_t K, K_c]`: A(t_0), A(t_1) ..., each `[K, K_c]`; row 0 of each is the translation.
+    /// The translation's coefficients `[N_t, K_c]`: row 0 of A(t_0), of A(t_1) ...
+    pub translation: Matrix<'a>,
+    /// The shape's coefficients `[N_t (K - 1), K_c]`: the other rows of A(t_0), of A(t_1) ...
     pub coefficients: Matrix<'a>,
     /// Parameter modes `[N_c, K_c]`.
     pub parameter_modes: Matrix<'a>,
@@ -169,7 +174,7 @@ pub enum Method {
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u16,
-    /// s in the coordinates (s sqrt(Ca) / Ca_lim(a/l)^(1/4), a/l) in which distances are taken.
+    /// s in the coordinates (s sqrt(Ca) / Ca_lim(a/l)^(1/8), a/l) in which distances are taken.
     pub capillary_scale: f64,
 }
 
@@ -210,6 +215,8 @@ pub struct Matrix<'a> {
 pub enum Encoding {
     /// Little-endian binary32.
     F32,
+    /// A little-endian binary32 for each column, its unit; then little-endian i16 in the units of their columns.
+    I16,
 }
 
 /// Little-endian numbers, aligned to 16 bytes in the file by the pad before them.
@@ -223,7 +230,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 8 + MAX_NODE_SETS + 12 * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 14 * MAX_CLUSTERS;
 
     /// Visits every blob in the order of the message.
     pub(crate) fn for_each_blob(&mut self, visit: &mut impl FnMut(&mut Blob<'a>)) {
@@ -239,10 +246,12 @@ impl<'a> Contents<'a> {
         visit(&mut self.times.blob);
         visit(&mut self.error_times.blob);
         visit(&mut self.steady_limit.blob);
+        visit(&mut self.border.blob);
         for cluster in &mut self.clusters {
             visit(&mut cluster.samples.blob);
             for field in [&mut cluster.displacement, &mut cluster.velocity] {
                 visit(&mut field.modes.blob);
+                visit(&mut field.translation.blob);
                 visit(&mut field.coefficients.blob);
                 visit(&mut field.parameter_modes.blob);
             }
@@ -265,10 +274,15 @@ impl<'a> Blob<'a> {
 impl<'a> Matrix<'a> {
     /// A matrix of little-endian f32, with an empty pad.
     pub const fn f32(rows: u32, columns: u32, data: &'a [u8]) -> Self {
+        Self::new(rows, columns, Encoding::F32, data)
+    }
+
+    /// A matrix with an empty pad.
+    pub const fn new(rows: u32, columns: u32, encoding: Encoding, data: &'a [u8]) -> Self {
         Self {
             rows,
             columns,
-            encoding: Encoding::F32,
+            encoding,
             blob: Blob::new(data),
         }
     }

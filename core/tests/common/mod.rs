@@ -260,6 +260,7 @@ impl Family {
             a.f32s([1.0, 2.0]);
             // The same everywhere: then Ca is a quadratic in the kernel's coordinates too.
             a.f32s([0.75, 0.14, 0.9, 0.14, 1.2, 0.14]);
+            a.f32s([]);
             for (min, max) in clusters {
                 let samples = self.cluster_samples(min, max);
                 a.f32s(samples.iter().copied().flatten());
@@ -273,12 +274,14 @@ impl Family {
                         let columns = &columns;
                         (0..3).flat_map(move |axis| columns.iter().map(move |mode| mode[usize::from(n)][axis]))
                     }));
-                    a.f32s(
-                        self.times
-                            .iter()
-                            .flat_map(|&t| (0..state).map(move |k| (t, k)))
-                            .flat_map(|(t, k)| self.stored(which, k, f64::from(t))),
-                    );
+                    for rows in [0..1, 1..state] {
+                        a.f32s(
+                            self.times
+                                .iter()
+                                .flat_map(|&t| rows.clone().map(move |k| (t, k)))
+                                .flat_map(|(t, k)| self.stored(which, k, f64::from(t))),
+                        );
+                    }
                     a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 }
                 a.f32s(
@@ -307,14 +310,15 @@ impl Family {
                 .map(|(name, nodes)| NodeSet { name, nodes })
                 .collect(),
         };
-        let (times, error_times, steady_limit) =
-            (f32(self.times.len(), 1, blob()), f32(2, 1, blob()), f32(3, 2, blob()));
+        let (times, error_times) = (f32(self.times.len(), 1, blob()), f32(2, 1, blob()));
+        let (steady_limit, border) = (f32(3, 2, blob()), f32(0, 2, blob()));
         let clusters = clusters.into_iter().map(|(min, max)| {
             let count = self.cluster_samples(min, max).len();
             let samples = f32(count, 2, blob());
             let mut field = || Field {
                 modes: f32(3 * sector, SHAPE_MODES, blob()),
-                coefficients: f32(self.times.len() * state, FUNCTIONS, blob()),
+                translation: f32(self.times.len(), FUNCTIONS, blob()),
+                coefficients: f32(self.times.len() * SHAPE_MODES, FUNCTIONS, blob()),
                 parameter_modes: f32(count, FUNCTIONS, blob()),
             };
             let (displacement, velocity) = (field(), field());
@@ -363,6 +367,7 @@ impl Family {
             times,
             error_times,
             steady_limit,
+            border,
             default_method: Method::Direct,
             kernel: Kernel {
                 neighbours: 24,

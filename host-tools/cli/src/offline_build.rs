@@ -152,6 +152,20 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
         })
         .collect();
     print::table(&["a/l", "steady to Ca", "unsteady from Ca", "limit"], &rows)?;
+    if !report.jumps.is_empty() {
+        println!();
+        let rows: Vec<Vec<String>> = report
+            .jumps
+            .iter()
+            .map(|jump| {
+                let numbers = [jump.largest_smooth_ca, jump.smallest_dented_ca].map(|ca| format!("{ca:.4}"));
+                std::iter::once(format!("{:.3}", jump.confinement))
+                    .chain(numbers)
+                    .collect()
+            })
+            .collect();
+        print::table(&["a/l", "smooth rear to Ca", "dented from Ca"], &rows)?;
+    }
     println!();
     let heading = [
         "matrix",

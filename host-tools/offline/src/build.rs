@@ -4,6 +4,7 @@ use capsule_core::Model;
 use capsule_database::Database;
 use serde::Serialize;
 
+use crate::border::{Jump, border, jumps};
 use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
 use crate::limit::{SteadyLimit, brackets, curve};
 use crate::pod::{DoublePod, Rule, Snapshots};
@@ -31,6 +32,8 @@ pub struct BuildReport {
     pub database_digest: String,
     /// Each cluster.
     pub clusters: Vec<ClusterReport>,
+    /// Where the solution jumps from a smooth rear to a dented one: weights do not cross the border between.
+    pub jumps: Vec<Jump>,
     /// Singular values: of the whole database in the laboratory frame as in the paper, then of each cluster.
     pub spectra: Vec<Spectrum>,
     /// Errors at the samples, each predicted without itself.
@@ -147,6 +150,7 @@ pub fn build(
         unsteady_samples: plan.samples.iter().filter(|s| !s.steady).count(),
         error_times: plan.error_times().to_vec(),
         steady_limit: plan.brackets,
+        jumps: plan.jumps,
         bytes: bytes.len(),
         digest,
         database_digest: plan.domain.database_digest,
@@ -188,6 +192,7 @@ pub(crate) struct Plan<'a> {
     mesh: MeshParts,
     domain: Domain,
     brackets: Vec<SteadyLimit>,
+    jumps: Vec<Jump>,
     parts: Vec<Part>,
     nodes: usize,
 }
@@ -228,8 +233,10 @@ impl<'a> Plan<'a> {
                 error_times: settings.error_times.clone(),
             });
         }
+        let jumps = jumps(&samples);
         let domain = Domain {
             ranges,
+            border: border(&jumps, &samples.iter().map(|s| s.parameters[1]).collect::<Vec<_>>()),
             steady_limit: curve(&brackets),
             times: database.times().to_vec(),
             error_times,
@@ -240,6 +247,7 @@ impl<'a> Plan<'a> {
             mesh,
             domain,
             brackets,
+            jumps,
             parts,
             nodes: database.mesh().nodes.len(),
             samples,
@@ -253,11 +261,15 @@ impl<'a> Plan<'a> {
 
     /// Whether a sample lies in the domain that the model answers for.
     pub(crate) fn inside(&self, sample: &Sample) -> bool {
+        let [capillary_number, confinement] = sample.parameters;
+        let row = self
+            .brackets
+            .iter()
+            .find(|row| (row.confinement - confinement).abs() <= SAME_ROW);
+        let limit = row.and_then(|row| row.largest_steady_ca).unwrap_or(0.0);
         let ranges = sample.parameters.iter().zip(self.domain.ranges);
-        sample.steady
-            && ranges
-                .into_iter()
-                .all(|(v, [low, high])| *v > low - SAME_ROW && *v < high + SAME_ROW)
+        let mut within = ranges.map(|(v, [low, high])| *v > low - SAME_ROW && *v < high + SAME_ROW);
+        capillary_number <= limit + SAME_ROW && within.all(|within| within)
     }
 
     /// How displacement and velocity are truncated.
@@ -303,7 +315,14 @@ impl<'a> Plan<'a> {
             .collect();
         let fields = [(&cluster.displacement, &displacement), (&cluster.velocity, &velocity)];
         let errors = self.error_times().len();
-        let parts = ClusterParts::new(cluster.part.range, &parameters, fields, &self.mesh, errors);
+        let parts = ClusterParts::new(
+            cluster.part.range,
+            &parameters,
+            fields,
+            &self.mesh,
+            errors,
+            self.settings.storage,
+        );
         Ok(Built {
             parts,
             pods: [displacement, velocity],

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use capsule_core::interpolate::Weights;
+use capsule_core::interpolate::{Plane, Weights};
 use capsule_core::model::wire::Method;
 use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::Database;
@@ -162,8 +162,8 @@ fn deviation(model: &Model, samples: &[[f64; 2]], out: usize, method: Method) ->
     let weights = match method {
         Method::Direct => {
             let mut scratch = vec![0.0; NEIGHBOURS * NEIGHBOURS];
-            let limit = |confinement| model.steady_limit(confinement);
-            Weights::<f64, NEIGHBOURS>::kernel(&contents.kernel, limit, all, query, Some(out), &mut scratch)?
+            let plane = Plane::new(contents);
+            Weights::<f64, NEIGHBOURS>::kernel(&contents.kernel, &plane, all, query, Some(out), &mut scratch)?
         }
         Method::Paper => Weights::diffuse(&contents.paper, all, query, Some(out))?,
     };

@@ -12,6 +12,7 @@
 //!
 //! Lengths are in l, velocities in V, times in l/V.
 
+mod border;
 mod build;
 mod error;
 mod hausdorff;
@@ -24,12 +25,13 @@ mod spectra;
 mod svd;
 mod writer;
 
+pub use border::Jump;
 pub use build::{BuildReport, ClusterReport, FieldReport, build};
 pub use error::OfflineError;
 pub use hausdorff::modified_hausdorff;
 pub use leave_one_out::{LeftOut, leave_one_out};
 pub use limit::SteadyLimit;
-pub use settings::{Design, Ranks, Settings, Truncation};
+pub use settings::{Design, Ranks, Settings, Storage, Truncation};
 pub use spectra::{Spectrum, one_minus_ric};
 
 /// Progress of a long task: what is done, how many steps of it are finished, and of how many.

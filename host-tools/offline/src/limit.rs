@@ -62,7 +62,18 @@ pub(crate) fn curve(brackets: &[SteadyLimit]) -> Vec<[f64; 2]> {
     let slope = |i: usize| (points[i + 1][1] - points[i][1]) / width(i);
     let tangent = |i: usize| {
         if i == 0 || i == last {
-            return if last == 0 { 0.0 } else { slope(i.min(last - 1)) };
+            // The parabola through three points, unless it turns within the interval.
+            let (end, next) = if i == 0 {
+                (0, 1)
+            } else {
+                (last - 1, last.saturating_sub(2))
+            };
+            if last < 2 {
+                return slope(0);
+            }
+            let (near, far) = (width(end), width(next));
+            let tangent = slope(end) + near * (slope(end) - slope(next)) / (near + far);
+            return if tangent * slope(end) > 0.0 { tangent } else { 0.0 };
         }
         let (before, after) = (slope(i - 1), slope(i));
         if before * after <= 0.0 {

@@ -28,6 +28,8 @@ pub(crate) struct Sample {
     /// (Ca, a/l)
     pub(crate) parameters: [f64; 2],
     pub(crate) steady: bool,
+    /// How far the rear pole lies before the rearmost point at the end, as a fraction of a.
+    pub(crate) rear_depth: f64,
     pub(crate) displacement: State,
     pub(crate) velocity: State,
     /// What a prediction is compared with.
@@ -158,10 +160,24 @@ fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Resu
     Ok(Sample {
         parameters: [capillary_number, confinement],
         steady: stored.status.is_steady(),
+        rear_depth: rear_depth(database, stored) / confinement,
         displacement,
         velocity,
         truth,
     })
+}
+
+/// Distance of the rear pole from the rearmost point at the last snapshot, in l.
+fn rear_depth(database: &Database, stored: &Trajectory) -> f64 {
+    let axial = |node: &[f64; 3]| node[0];
+    let reference = &database.mesh().nodes;
+    let pole = (0..reference.len()).min_by(|i, j| reference[*i][0].total_cmp(&reference[*j][0]));
+    let end = stored.positions.last();
+    let rearmost = end.and_then(|nodes| nodes.iter().map(axial).min_by(f64::total_cmp));
+    match (end, pole, rearmost) {
+        (Some(nodes), Some(pole), Some(rearmost)) => nodes[pole][0] - rearmost,
+        _ => 0.0,
+    }
 }
 
 /// A part of the parameter domain and the samples in it.

@@ -1,21 +1,25 @@
 //! From reduced clusters to the bytes of a model file.
 
 use capsule_core::model::encode;
-use capsule_core::model::wire::{Blob, Cluster, Contents, Errors, Field, Matrix, Mesh, Metadata, NodeSet, Parameter};
+use capsule_core::model::wire::{
+    Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Mesh, Metadata, NodeSet, Parameter,
+};
 use capsule_core::{DIAGONAL, MIDPLANE};
 use capsule_database::Database;
 use faer::Mat;
 
 use crate::pod::{DoublePod, Snapshots, product};
+use crate::settings::Storage;
 use crate::{OfflineError, Settings};
 
 /// A reference coordinate closer to a plane than this lies on it (unit sphere).
 const ON_PLANE: f64 = 1e-9;
 
-/// A matrix as the file holds it: row-major, little-endian f32.
+/// A matrix as the file holds it, row-major.
 pub(crate) struct Numbers {
     rows: usize,
     columns: usize,
+    encoding: Encoding,
     bytes: Vec<u8>,
 }
 
@@ -26,7 +30,36 @@ impl Numbers {
         Numbers {
             rows,
             columns,
+            encoding: Encoding::F32,
             bytes: entries.flat_map(f32::to_le_bytes).collect(),
+        }
+    }
+
+    /// As [`Numbers::new`], in the storage that is asked for.
+    fn stored(storage: Storage, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
+        if storage == Storage::Single {
+            return Numbers::new(rows, columns, value);
+        }
+        let largest = |j| (0..rows).map(|i| value(i, j).abs()).fold(0.0, f64::max);
+        let units: Vec<f32> = (0..columns)
+            .map(|j| (largest(j) / f64::from(i16::MAX)) as f32)
+            .collect();
+        let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
+        for i in 0..rows {
+            for (j, unit) in units.iter().enumerate() {
+                let integer = if *unit > 0.0 {
+                    value(i, j) / f64::from(*unit)
+                } else {
+                    0.0
+                };
+                bytes.extend((integer.round() as i16).to_le_bytes());
+            }
+        }
+        Numbers {
+            rows,
+            columns,
+            encoding: Encoding::I16,
+            bytes,
         }
     }
 
@@ -35,7 +68,7 @@ impl Numbers {
     }
 
     fn matrix(&self) -> Matrix<'_> {
-        Matrix::f32(self.rows as u32, self.columns as u32, &self.bytes)
+        Matrix::new(self.rows as u32, self.columns as u32, self.encoding, &self.bytes)
     }
 }
 
@@ -161,18 +194,20 @@ impl ErrorParts {
 
 struct FieldParts {
     modes: Numbers,
+    translation: Numbers,
     coefficients: Numbers,
     parameter_modes: Numbers,
 }
 
 impl FieldParts {
-    fn new(modes: &Mat<f64>, pod: &DoublePod, scales: &[f64]) -> Self {
-        let (rank, columns) = (pod.modes.ncols() + 1, pod.parameter_modes.ncols());
+    fn new(modes: &Mat<f64>, pod: &DoublePod, scales: &[f64], storage: Storage) -> Self {
+        let (rank, columns) = (pod.modes.ncols(), pod.parameter_modes.ncols());
         let coefficients = &pod.coefficients;
         FieldParts {
-            modes: Numbers::new(modes.nrows(), modes.ncols(), |row, k| modes[(row, k)] / scales[row / 3]),
-            coefficients: Numbers::new(coefficients.len() * rank, columns, |row, l| {
-                coefficients[row / rank][(row % rank, l)]
+            modes: Numbers::stored(storage, modes.nrows(), rank, |row, k| modes[(row, k)] / scales[row / 3]),
+            translation: Numbers::new(coefficients.len(), columns, |i, l| coefficients[i][(0, l)]),
+            coefficients: Numbers::stored(storage, coefficients.len() * rank, columns, |row, l| {
+                coefficients[row / rank][(1 + row % rank, l)]
             }),
             parameter_modes: Numbers::new(pod.parameter_modes.nrows(), columns, |j, l| pod.parameter_modes[(j, l)]),
         }
@@ -181,6 +216,7 @@ impl FieldParts {
     fn wire(&self) -> Field<'_> {
         Field {
             modes: self.modes.matrix(),
+            translation: self.translation.matrix(),
             coefficients: self.coefficients.matrix(),
             parameter_modes: self.parameter_modes.matrix(),
         }
@@ -206,6 +242,7 @@ impl ClusterParts {
         [displacement, velocity]: [(&Snapshots, &DoublePod); 2],
         mesh: &MeshParts,
         error_times: usize,
+        storage: Storage,
     ) -> Self {
         let unknown = || ErrorParts::unknown(parameters.len(), error_times);
         let [modes_u, modes_v] = [displacement, velocity].map(|(snapshots, pod)| snapshots.modes_at_nodes(pod));
@@ -218,8 +255,8 @@ impl ClusterParts {
         ClusterParts {
             range,
             samples: Numbers::new(parameters.len(), 2, |j, d| parameters[j][d]),
-            displacement: FieldParts::new(&modes_u, displacement.1, &mesh.scales),
-            velocity: FieldParts::new(&modes_v, velocity.1, &mesh.scales),
+            displacement: FieldParts::new(&modes_u, displacement.1, &mesh.scales, storage),
+            velocity: FieldParts::new(&modes_v, velocity.1, &mesh.scales, storage),
             cross_product,
             errors: [unknown(), unknown()],
         }
@@ -245,6 +282,8 @@ pub(crate) struct Domain {
     pub(crate) ranges: [[f64; 2]; 2],
     /// (a/l, Ca)
     pub(crate) steady_limit: Vec<[f64; 2]>,
+    /// (a/l, Ca)
+    pub(crate) border: Vec<[f64; 2]>,
     pub(crate) times: Vec<f64>,
     /// The instants of the leave-one-out errors.
     pub(crate) error_times: Vec<f64>,
@@ -270,6 +309,7 @@ pub(crate) fn write(
     let times = Numbers::column(&domain.times);
     let error_times = Numbers::column(&domain.error_times);
     let limit = Numbers::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
+    let border = Numbers::new(domain.border.len(), 2, |i, d| domain.border[i][d]);
     let parameter = |name, d: usize| Parameter {
         name,
         min: domain.ranges[d][0],
@@ -290,16 +330,28 @@ pub(crate) fn write(
         times: times.matrix(),
         error_times: error_times.matrix(),
         steady_limit: limit.matrix(),
+        border: border.matrix(),
         default_method: settings.default_method,
         kernel: settings.kernel,
         paper: settings.paper,
         clusters: clusters.iter().map(|c| c.wire()).collect(),
     };
     let mut room = 8192 + text.len() + settings.title.len() + settings.membrane_law.len();
-    room += mesh.elements.len() + 12 * mesh.scales.len() + 8 * mesh.nodes + times.bytes.len() + limit.bytes.len();
+    room += mesh.elements.len()
+        + 12 * mesh.scales.len()
+        + 8 * mesh.nodes
+        + times.bytes.len()
+        + limit.bytes.len()
+        + border.bytes.len();
     for cluster in clusters {
         for field in [&cluster.displacement, &cluster.velocity] {
-            room += field.modes.bytes.len() + field.coefficients.bytes.len() + field.parameter_modes.bytes.len();
+            let arrays = [
+                &field.modes,
+                &field.translation,
+                &field.coefficients,
+                &field.parameter_modes,
+            ];
+            room += arrays.map(|array| array.bytes.len()).iter().sum::<usize>();
         }
         room += cluster.samples.bytes.len() + cluster.cross_product.bytes.len();
         room += cluster

@@ -5,7 +5,7 @@ mod support;
 
 use capsule_core::Model;
 use capsule_database::{Database, Description};
-use capsule_offline::{Settings, Truncation, build};
+use capsule_offline::{Settings, Storage, Truncation, build};
 use capsule_study::{SampleErrors, StudyError, leave_one_out, speed};
 
 fn quiet(_: &str, _: usize, _: usize) {}
@@ -18,6 +18,7 @@ fn settings() -> Settings {
     };
     Settings {
         truncation,
+        storage: Storage::Single,
         ..Settings::default()
     }
 }

@@ -1,0 +1,69 @@
+//! Curves of the parameter plane: a capillary number for each confinement.
+
+use super::matrix::MatrixView;
+use super::wire::Matrix;
+use crate::Real;
+
+/// Points (a/l, Ca) by rising a/l, joined by lines.
+#[derive(Clone, Copy, Debug)]
+pub struct Curve<'a>(MatrixView<'a>);
+
+impl<'a> Curve<'a> {
+    /// A view of rows (a/l, Ca).
+    pub fn new(points: &Matrix<'a>) -> Self {
+        Self(MatrixView::new(points))
+    }
+
+    fn point<T: Real>(&self, row: usize) -> [T; 2] {
+        [0, 1].map(|column| T::from_f32(self.0.get(row, column)))
+    }
+
+    /// The capillary number at a confinement, constant beyond the ends; none if there is no point.
+    pub fn at<T: Real>(&self, confinement: T) -> Option<T> {
+        let (mut low, mut high) = (0, self.0.rows().checked_sub(1)?);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            let before = confinement < self.point::<T>(middle)[0];
+            *(if before { &mut high } else { &mut low }) = middle;
+        }
+        let ([x0, y0], [x1, y1]) = (self.point(low), self.point(high));
+        Some(if confinement <= x0 {
+            y0
+        } else if confinement >= x1 {
+            y1
+        } else {
+            y0 + (y1 - y0) * (confinement - x0) / (x1 - x0)
+        })
+    }
+
+    /// Whether parameters (Ca, a/l) lie below the curve; none where it does not reach.
+    pub fn below<T: Real>(&self, [capillary_number, confinement]: [T; 2]) -> Option<bool> {
+        let last = self.0.rows().checked_sub(1)?;
+        let reaches = confinement >= self.point(0)[0] && confinement <= self.point(last)[0];
+        self.at(confinement)
+            .filter(|_| reaches)
+            .map(|border| capillary_number < border)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_is_linear_between_its_points_and_knows_its_sides() {
+        let mut bytes = [0; 24];
+        for (bytes, value) in bytes.chunks_exact_mut(4).zip([0.75_f32, 0.14, 0.9, 0.13, 1.2, 0.05]) {
+            bytes.copy_from_slice(&value.to_le_bytes());
+        }
+        let curve = Curve::new(&Matrix::f32(3, 2, &bytes));
+        for (confinement, expected) in [(0.5_f64, 0.14), (0.825, 0.135), (1.05, 0.09), (2.0, 0.05)] {
+            assert!((curve.at(confinement).unwrap() - expected).abs() < 1e-7);
+        }
+        assert_eq!(curve.below([0.08, 1.05]), Some(true));
+        assert_eq!(curve.below([0.10, 1.05]), Some(false));
+        assert_eq!((curve.below([0.10, 0.7]), curve.below([0.10, 1.3])), (None, None));
+        let none = Curve::new(&Matrix::f32(0, 2, &[]));
+        assert_eq!((none.at(0.9), none.below([0.1, 0.9])), (None, None));
+    }
+}
