@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use ndarray::{Array1, Array2, Array3, Array4, ArrayD, Ix2, Ix4};
 
 use crate::compact::{self, Snapshots};
-use crate::description::{Description, VERSION};
 use crate::error::{finite, length};
 use crate::npz::{Reader, Writer, rows};
-use crate::{DatabaseError, Mesh, Status, Symmetry, Trajectory, apply, version1};
+use crate::{DatabaseError, Description, Mesh, Status, Symmetry, Trajectory, apply};
 
 /// A field counts as symmetric when it deviates from the expansion of its sector by no more than this (l or V), a small
 /// part of the fixed-point step.
@@ -31,7 +30,6 @@ pub struct Entry {
 #[derive(Debug, Clone)]
 pub struct Database {
     directory: PathBuf,
-    version: u64,
     description: Description,
     mesh: Mesh,
     symmetry: Symmetry,
@@ -50,7 +48,6 @@ impl Database {
             let there = Database::open(directory)?;
             let wanted = Database {
                 directory: directory.to_path_buf(),
-                version: VERSION,
                 description,
                 symmetry: Symmetry::detect(&mesh.nodes),
                 mesh,
@@ -70,7 +67,6 @@ impl Database {
         description.write(directory)?;
         Ok(Database {
             directory: directory.to_path_buf(),
-            version: VERSION,
             description,
             mesh,
             symmetry,
@@ -83,23 +79,20 @@ impl Database {
     /// [`DatabaseError::NotADatabase`], [`DatabaseError::WrongVersion`], or what is wrong with `database.json` or
     /// `mesh.npz`.
     pub fn open(directory: &Path) -> Result<Self, DatabaseError> {
-        let (description, version) = Description::read(directory)?;
+        let description = Description::read(directory)?;
         let (mesh, symmetry) = read_mesh(&directory.join("mesh.npz"))?;
         Ok(Database {
             directory: directory.to_path_buf(),
-            version,
             description,
             mesh,
             symmetry,
         })
     }
 
-    /// What keeps the configurations of two databases from belonging together: format, a setting, or the mesh.
+    /// What keeps the configurations of two databases from belonging together: a setting or the mesh.
     #[must_use]
     pub(crate) fn difference(&self, other: &Self) -> Option<String> {
-        if self.version != other.version {
-            Some(format!("format version ({} and {})", self.version, other.version))
-        } else if let Some(difference) = self.description.difference(&other.description) {
+        if let Some(difference) = self.description.difference(&other.description) {
             Some(difference.to_string())
         } else {
             (self.mesh != other.mesh).then(|| "mesh".to_owned())
@@ -255,21 +248,19 @@ impl Database {
         // A file holds the sector or all nodes; which, its own shape says.
         let (all, sector) = (self.mesh.nodes.len(), self.symmetry.sector.len());
         let kept = if planes.shape()[2] == sector { sector } else { all };
-        let [positions, velocities] = if self.version == 1 {
-            let mut planes = |name| self.planes(&mut reader, name, times.len(), kept);
-            version1::decode(planes("positions")?.view(), planes("velocities")?.view(), &times)
-        } else {
-            let mut code = |name| -> Result<(Array4<u8>, Array2<i32>), DatabaseError> {
-                let planes = self.planes(&mut reader, name, times.len(), kept)?;
-                let predictor = reader.array::<i32>(&predictor(name), &[instants, None])?;
-                Ok((planes, predictor.into_dimensionality::<Ix2>().unwrap_or_default()))
-            };
-            let (positions, velocities) = (code("positions")?, code("velocities")?);
-            compact::decode(
-                (positions.0.view(), positions.1.view()),
-                (velocities.0.view(), velocities.1.view()),
-            )
+        let mut code = |name| -> Result<(Array4<u8>, Array2<i32>), DatabaseError> {
+            let planes: ArrayD<u8> = reader.array(name, &[None, instants, Some(kept), Some(3)])?;
+            let predictor = reader.array::<i32>(&predictor(name), &[instants, None])?;
+            Ok((
+                planes.into_dimensionality::<Ix4>().unwrap_or_default(),
+                predictor.into_dimensionality::<Ix2>().unwrap_or_default(),
+            ))
         };
+        let (positions, velocities) = (code("positions")?, code("velocities")?);
+        let [positions, velocities] = compact::decode(
+            (positions.0.view(), positions.1.view()),
+            (velocities.0.view(), velocities.1.view()),
+        );
         let expanded = |fields: Snapshots| -> Result<Snapshots, DatabaseError> {
             if kept == all {
                 Ok(fields)
@@ -317,17 +308,6 @@ impl Database {
             feed(&std::fs::read(&path).map_err(DatabaseError::io("read", &path))?);
         }
         Ok(digest)
-    }
-
-    fn planes(
-        &self,
-        reader: &mut Reader,
-        name: &str,
-        instants: usize,
-        kept: usize,
-    ) -> Result<Array4<u8>, DatabaseError> {
-        let planes: ArrayD<u8> = reader.array(name, &[None, Some(instants), Some(kept), Some(3)])?;
-        Ok(planes.into_dimensionality::<Ix4>().unwrap_or_default())
     }
 
     /// The names of the database's files, sorted; temporary and foreign files left out.

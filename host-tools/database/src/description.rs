@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use crate::{DatabaseError, atomic, compact};
 
-/// The format that this program writes.
-pub(crate) const VERSION: u64 = 2;
+/// The format that this program reads and writes.
+const VERSION: u64 = 2;
 
 /// A parameter of the configurations.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,8 +86,8 @@ impl Description {
         atomic::write(&path, text.as_bytes())
     }
 
-    /// Reads the `database.json` of `directory`, with the version of its format.
-    pub(crate) fn read(directory: &Path) -> Result<(Self, u64), DatabaseError> {
+    /// Reads the `database.json` of `directory`.
+    pub(crate) fn read(directory: &Path) -> Result<Self, DatabaseError> {
         let path = path(directory);
         let text = match std::fs::read_to_string(&path) {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
@@ -98,19 +98,16 @@ impl Description {
             other => other.map_err(DatabaseError::io("read", &path))?,
         };
         let value: Value = serde_json::from_str(&text).map_err(DatabaseError::json(&path))?;
-        let version = value.get("version").and_then(Value::as_u64).unwrap_or(VERSION);
-        if version == 1 {
-            return Ok((crate::version1::description(&path, value)?, version));
-        }
-        if version != VERSION {
+        let version = value.get("version").and_then(Value::as_u64);
+        if let Some(found) = version.filter(|v| *v != VERSION) {
             return Err(DatabaseError::WrongVersion {
                 path,
-                found: version,
+                found,
                 supported: VERSION,
             });
         }
         let file: File = serde_json::from_value(value).map_err(DatabaseError::json(&path))?;
-        Ok((file.description, version))
+        Ok(file.description)
     }
 
     /// The first entry in which this description differs from another, such as `solver.duct.order`.
@@ -210,7 +207,7 @@ mod tests {
         let times = (0..=100).map(|i| f64::from(i) * 0.2).collect();
         let description = Description::new(times, json!({ "tolerance": 1e-5, "third": 1.0 / 3.0 }));
         description.write(directory.path()).unwrap();
-        let (read, version) = Description::read(directory.path()).unwrap();
-        assert_eq!((read.difference(&description), version), (None, VERSION));
+        let read = Description::read(directory.path()).unwrap();
+        assert_eq!(read.difference(&description), None);
     }
 }

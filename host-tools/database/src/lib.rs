@@ -27,7 +27,6 @@ mod npz;
 mod predictor;
 mod symmetry;
 mod trajectory;
-mod version1;
 pub mod vtu;
 
 pub use atomic::write as write_whole;
