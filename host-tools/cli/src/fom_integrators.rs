@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     /// Capillary number Ca = mu V / G_s
-    #[arg(long, allow_negative_numbers = true, default_value_t = 0.10)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.02)]
     ca: f64,
     /// Confinement a/l
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.90)]
@@ -21,10 +21,10 @@ pub struct Options {
     #[arg(long, default_value_t = 6)]
     mesh: usize,
     /// Last instant, in l/V
-    #[arg(long, default_value_t = 2.0)]
+    #[arg(long, default_value_t = 1.0)]
     end_time: f64,
     /// Steps of the fixed-step schemes, in l/V
-    #[arg(long, value_delimiter = ',', default_values_t = [4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4])]
+    #[arg(long, value_delimiter = ',', default_values_t = [2e-3, 1e-3, 5e-4, 2.5e-4])]
     steps: Vec<f64>,
     /// Position errors allowed a step of the stabilised scheme, in l
     #[arg(long, value_delimiter = ',', default_values_t = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7])]
@@ -43,7 +43,7 @@ pub struct Options {
 const EXAMPLES: &str = "\
 Examples:
   capsule-rom fom integrators
-  capsule-rom fom integrators --ca 0.02 --steps 1e-3,5e-4 --plot integrators.svg
+  capsule-rom fom integrators --ca 0.10 --steps 1e-2,5e-3 --plot integrators.svg
 
 The error is the greatest distance of a node, over a, from where the stabilised scheme with a tolerance of 1e-9 has it at
 the last instant.";
