@@ -5,6 +5,7 @@ use capsule_database::Database;
 use serde::Serialize;
 
 use crate::border::{Jump, border, jumps};
+use crate::hausdorff::Sector;
 use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
 use crate::limit::{SteadyLimit, brackets, curve};
 use crate::pod::{DoublePod, Rule, Snapshots};
@@ -109,7 +110,8 @@ pub fn build(
                     parameters: sample.parameters,
                     source,
                 };
-                let (distances, _) = errors(&model, sample.parameters, method, &sample.truth).map_err(failed)?;
+                let (distances, _) =
+                    errors(&model, sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
                 sum += distances.iter().sum::<f64>() / distances.len() as f64;
             }
             floors[m] = sum / cluster.part.members.len() as f64;
@@ -189,6 +191,7 @@ fn check_parameters(database: &Database) -> Result<(), OfflineError> {
 pub(crate) struct Plan<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) samples: Vec<Sample>,
+    pub(crate) sector: Sector,
     mesh: MeshParts,
     domain: Domain,
     brackets: Vec<SteadyLimit>,
@@ -242,8 +245,14 @@ impl<'a> Plan<'a> {
             error_times,
             database_digest: format!("{:016x}", database.digest()?),
         };
+        let symmetry = database.symmetry();
+        let sector = Sector {
+            nodes: symmetry.sector.clone(),
+            orbits: symmetry.orbit_sizes().iter().map(|size| f64::from(*size)).collect(),
+        };
         Ok(Plan {
             settings,
+            sector,
             mesh,
             domain,
             brackets,

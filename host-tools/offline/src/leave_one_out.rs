@@ -10,8 +10,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::build::{Plan, Reduced};
+use crate::hausdorff::{Sector, symmetric_modified_hausdorff};
 use crate::samples::Truth;
-use crate::{OfflineError, Progress, Settings, modified_hausdorff};
+use crate::{OfflineError, Progress, Settings};
 
 /// The methods, in the order of the file's error tables.
 pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
@@ -102,7 +103,8 @@ fn leave_out(plan: &Plan, index: usize, cluster: &Reduced, out: usize) -> Result
             parameters: sample.parameters,
             source,
         };
-        let (laboratory, shape) = errors(&model, sample.parameters, method, &sample.truth).map_err(failed)?;
+        let (laboratory, shape) =
+            errors(&model, sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
         Ok::<LeftOut, OfflineError>(LeftOut {
             parameters: sample.parameters,
             cluster: index,
@@ -123,6 +125,7 @@ pub(crate) fn errors(
     parameters: [f64; 2],
     method: Method,
     truth: &[Truth],
+    sector: &Sector,
 ) -> Result<(Vec<f64>, Vec<f64>), EvaluateError> {
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
@@ -147,11 +150,12 @@ pub(crate) fn errors(
             other => other?,
         };
         let centroid = instant.centroid();
-        laboratory.push((modified_hausdorff(&predicted, &truth.positions) / parameters[1]).min(DIVERGED));
+        laboratory
+            .push((symmetric_modified_hausdorff(&predicted, &truth.positions, sector) / parameters[1]).min(DIVERGED));
         for p in &mut predicted {
             p[0] -= centroid - truth.centroid;
         }
-        shape.push((modified_hausdorff(&predicted, &truth.positions) / parameters[1]).min(DIVERGED));
+        shape.push((symmetric_modified_hausdorff(&predicted, &truth.positions, sector) / parameters[1]).min(DIVERGED));
     }
     Ok((laboratory, shape))
 }
