@@ -2,6 +2,7 @@
 
 use capsule_fom::{Configuration, Progress};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::time::Duration;
 
 /// A bar of this length, drawn by an indicatif template.
 pub fn bar(quiet: bool, length: u64, template: &str) -> ProgressBar {
@@ -53,8 +54,8 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// No bar yet but the one over all.
-    pub fn new(quiet: bool) -> Self {
+    /// No bar yet but the one over all, with what is done already.
+    pub fn new(quiet: bool, count: (usize, usize)) -> Self {
         let target = if quiet {
             ProgressDrawTarget::hidden()
         } else {
@@ -65,7 +66,14 @@ impl Sweep {
         all.set_style(style(
             "{bar:25} {pos} of at most {len} configurations, {elapsed} gone, {eta} to go",
         ));
-        Self { bars, all }
+        let bars = Self { bars, all };
+        bars.count(count);
+        // The remaining time follows from what this sweep does, and the clock runs on between two results.
+        bars.all.reset_eta();
+        if !bars.bars.is_hidden() {
+            bars.all.enable_steady_tick(Duration::from_secs(1));
+        }
+        bars
     }
 
     /// Shows how many configurations are done, of how many at most.

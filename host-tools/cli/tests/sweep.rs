@@ -71,11 +71,12 @@ fn random(state: &mut u64) -> f64 {
     (z ^ (z >> 31)) as f64 / u64::MAX as f64
 }
 
-/// Sends `signal` to sweeps at random instants until `count` were hit, starting each sweep again until it is done, and
+/// Sends `signal` to sweeps at random instants `count` times in all, starting each sweep again until it is done, and
 /// compares what they leave.
 fn disturb(signal: &str, count: usize) {
     let root = tempfile::tempdir().unwrap();
     let (expected, duration) = undisturbed(&root.path().join("undisturbed"));
+    let longest = duration.mul_f64(0.4).min(Duration::from_secs(1));
     let (mut hits, mut state) = (0, 7);
     for round in 0.. {
         if hits >= count {
@@ -88,10 +89,12 @@ fn disturb(signal: &str, count: usize) {
                 .stderr(Stdio::piped())
                 .spawn()
                 .unwrap();
-            std::thread::sleep(duration.mul_f64(0.6 * random(&mut state)));
-            if process.try_wait().unwrap().is_none() {
-                let id = process.id().to_string();
-                assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+            if hits < count {
+                std::thread::sleep(longest.mul_f64(random(&mut state)));
+                if process.try_wait().unwrap().is_none() {
+                    let id = process.id().to_string();
+                    assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+                }
             }
             let output = process.wait_with_output().unwrap();
             if output.status.success() {

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use ndarray::{Array1, Array2, Array3, Array4, ArrayD, Ix2, Ix4};
+use ndarray::{Array1, Array2, Array4, ArrayD, Ix2, Ix4};
 
 use crate::compact::{self, Snapshots};
 use crate::error::{finite, length};
-use crate::npz::{Reader, Writer, rows};
-use crate::{DatabaseError, Description, Mesh, Status, Symmetry, Trajectory, apply};
+use crate::npz::{Reader, Writer};
+use crate::{DatabaseError, Description, Mesh, Status, Symmetry, Trajectory, mesh_file};
 
 /// A field counts as symmetric when it deviates from the expansion of its sector by no more than this (l or V), a small
 /// part of the fixed-point step.
@@ -62,7 +62,7 @@ impl Database {
         }
         std::fs::create_dir_all(directory).map_err(DatabaseError::io("create", directory))?;
         let symmetry = Symmetry::detect(&mesh.nodes);
-        write_mesh(&directory.join("mesh.npz"), &mesh, &symmetry)?;
+        mesh_file::write(&directory.join("mesh.npz"), &mesh, &symmetry)?;
         // Last, because it is what makes the directory a database.
         description.write(directory)?;
         Ok(Database {
@@ -80,7 +80,7 @@ impl Database {
     /// `mesh.npz`.
     pub fn open(directory: &Path) -> Result<Self, DatabaseError> {
         let description = Description::read(directory)?;
-        let (mesh, symmetry) = read_mesh(&directory.join("mesh.npz"))?;
+        let (mesh, symmetry) = mesh_file::read(&directory.join("mesh.npz"))?;
         Ok(Database {
             directory: directory.to_path_buf(),
             description,
@@ -354,45 +354,6 @@ impl Database {
 /// The name of the array with the prediction's coefficients of a field.
 fn predictor(field: &str) -> String {
     format!("{field}_predictor")
-}
-
-fn write_mesh(path: &Path, mesh: &Mesh, symmetry: &Symmetry) -> Result<(), DatabaseError> {
-    let unit = |d: usize| std::array::from_fn(|k| if k == d { 1.0 } else { 0.0 });
-    let matrix = |(g, i, j): (usize, usize, usize)| apply(g as u8, unit(j))[i] as i8;
-    let mut writer = Writer::new(path);
-    writer.add("nodes", &rows(&mesh.nodes))?;
-    writer.add("elements", &rows(&mesh.elements))?;
-    writer.add("group", &Array1::from(symmetry.operations.clone()))?;
-    writer.add("sector", &Array1::from(symmetry.sector.clone()))?;
-    writer.add("representative", &Array1::from(symmetry.representative.clone()))?;
-    writer.add("operation", &Array1::from(symmetry.operation.clone()))?;
-    // For readers in other languages: what each of the eight operations does.
-    writer.add("operations", &Array3::from_shape_fn((8, 3, 3), matrix))?;
-    writer.finish()
-}
-
-fn read_mesh(path: &Path) -> Result<(Mesh, Symmetry), DatabaseError> {
-    let mut reader = Reader::open(path)?;
-    let nodes = reader.array::<f64>("nodes", &[None, Some(3)])?;
-    let elements = reader.array::<u32>("elements", &[None, Some(6)])?;
-    let mesh = Mesh {
-        nodes: nodes.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect(),
-        elements: elements
-            .rows()
-            .into_iter()
-            .map(|r| std::array::from_fn(|k| r[k]))
-            .collect(),
-    };
-    mesh.validate()?;
-    let n = Some(mesh.nodes.len());
-    let symmetry = Symmetry {
-        operations: reader.vector("group", None)?,
-        sector: reader.vector("sector", None)?,
-        representative: reader.vector("representative", n)?,
-        operation: reader.vector("operation", n)?,
-    };
-    symmetry.validate(&mesh.nodes)?;
-    Ok((mesh, symmetry))
 }
 
 #[cfg(test)]

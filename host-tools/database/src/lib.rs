@@ -23,6 +23,7 @@ mod error;
 pub mod fields;
 mod merge;
 mod mesh;
+mod mesh_file;
 mod npz;
 mod predictor;
 mod symmetry;

@@ -61,8 +61,7 @@ pub fn run(options: &Options) -> Result<()> {
     let database = Database::create(&options.database, description, record::mesh(&solver))?;
     let checkpoints = Checkpoints::new(&database, solver.settings())?;
     let queue = Queue::new(rule, rows, &database.entries()?);
-    let bars = progress::Sweep::new(options.quiet);
-    bars.count(queue.count());
+    let bars = progress::Sweep::new(options.quiet, queue.count());
 
     let results: Vec<Result<()>> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..options.workers)
