@@ -15,10 +15,22 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// A ball about the mean of some points that holds them.
-    pub fn around(points: &[[f64; 3]]) -> Self {
-        let centre = [0, 1, 2].map(|d| points.iter().map(|p| p[d]).sum::<f64>() / points.len() as f64);
-        let square = points.iter().map(|&p| distance_squared(p, centre)).fold(0.0, f64::max);
+    /// A ball about the mean of some points that holds them; of longer arrays the first three entries count.
+    #[inline]
+    pub fn around<const N: usize>(points: &[[f64; N]]) -> Self {
+        let mut centre = [0.0; 3];
+        for point in points {
+            for d in 0..3 {
+                centre[d] += point[d];
+            }
+        }
+        for c in &mut centre {
+            *c /= points.len() as f64;
+        }
+        let mut square = 0.0_f64;
+        for point in points {
+            square = square.max(distance_squared([point[0], point[1], point[2]], centre));
+        }
         Self {
             centre,
             radius: square.sqrt(),
@@ -53,7 +65,7 @@ impl TargetBlocks {
         bisect(&mut index, targets);
         let position: Vec<[f64; 3]> = index.iter().map(|&i| targets[i as usize]).collect();
         Self {
-            balls: position.chunks(BLOCK).map(Ball::around).collect(),
+            balls: position.chunks(BLOCK).map(Ball::around::<3>).collect(),
             period: index.len(),
             index,
             position,
@@ -117,7 +129,7 @@ impl TargetBlocks {
 
     /// All targets of some blocks.
     pub fn gather(&self, blocks: &[u32]) -> NearTargets {
-        let mut near = NearTargets::default();
+        let mut near = NearTargets::with_capacity(blocks.len() * BLOCK);
         for range in blocks.iter().map(|&b| self.range(b as usize)) {
             near.index.extend_from_slice(&self.index[range.clone()]);
             near.position.extend_from_slice(&self.position[range]);
@@ -164,7 +176,7 @@ pub fn transpose(close: &[Vec<u32>], sources: usize) -> Vec<Vec<u32>> {
 }
 
 /// Targets by index, with positions and the values gathered for them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct NearTargets {
     index: Vec<u32>,
     position: Vec<[f64; 3]>,
@@ -172,6 +184,14 @@ pub struct NearTargets {
 }
 
 impl NearTargets {
+    fn with_capacity(capacity: usize) -> Self {
+        Self {
+            index: Vec::with_capacity(capacity),
+            position: Vec::with_capacity(capacity),
+            value: Vec::with_capacity(capacity),
+        }
+    }
+
     /// Their number.
     pub fn len(&self) -> usize {
         self.index.len()
@@ -222,6 +242,6 @@ fn add(value: &mut [f64; 3], change: &[f64; 3]) {
 }
 
 fn distance_squared(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let d = [0, 1, 2].map(|k| a[k] - b[k]);
-    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    let (x, y, z) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    x * x + y * y + z * z
 }

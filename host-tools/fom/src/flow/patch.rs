@@ -1,5 +1,7 @@
 //! A curved triangle that carries a load, both P2: an element of the membrane or a part of one.
 
+use std::hint::black_box;
+
 use multiversion::multiversion;
 use multiversion::target::match_target;
 
@@ -21,68 +23,78 @@ const FIELDS: usize = 9;
 impl Patch {
     /// The element with nodes `element` of a membrane.
     pub fn new(element: &[u32; 6], nodes: &[[f64; 3]], load: &[[f64; 3]]) -> Self {
-        let x = element.map(|i| nodes[i as usize]);
-        let combine = |terms: &[(f64, usize)]| {
-            [0, 1, 2].map(|d| terms.iter().map(|&(factor, node)| factor * x[node][d]).sum::<f64>())
+        let mut patch = Self {
+            nodes: [[0.0; FIELDS]; 6],
         };
-        // The tangents are linear: those at the corners give those half-way.
-        let first = [
-            combine(&[(-3.0, 0), (-1.0, 1), (4.0, 3)]),
-            combine(&[(1.0, 0), (3.0, 1), (-4.0, 3)]),
-            combine(&[(1.0, 0), (-1.0, 1), (4.0, 4), (-4.0, 5)]),
-        ];
-        let second = [
-            combine(&[(-3.0, 0), (-1.0, 2), (4.0, 5)]),
-            combine(&[(1.0, 0), (-1.0, 2), (-4.0, 3), (4.0, 4)]),
-            combine(&[(1.0, 0), (3.0, 2), (-4.0, 5)]),
-        ];
-        let tangent = |corners: &[[f64; 3]; 3], k: usize| match k {
-            0..3 => corners[k],
-            _ => [0, 1, 2].map(|d| 0.5 * (corners[k - 3][d] + corners[(k - 2) % 3][d])),
-        };
-        Self {
-            nodes: std::array::from_fn(|k| {
-                let ([x, y, z], [qx, qy, qz]) = (x[k], load[element[k] as usize]);
-                let (u, v) = (tangent(&first, k), tangent(&second, k));
-                let nx = u[1] * v[2] - u[2] * v[1];
-                let ny = u[2] * v[0] - u[0] * v[2];
-                let nz = u[0] * v[1] - u[1] * v[0];
-                [x, y, z, qx, qy, qz, nx, ny, nz]
-            }),
+        for (values, &i) in patch.nodes.iter_mut().zip(element) {
+            values[..3].copy_from_slice(&nodes[i as usize]);
+            values[3..6].copy_from_slice(&load[i as usize]);
         }
+        let x = &patch.nodes;
+        // The two tangents at the nodes: linear, so that those at the corners give those half-way.
+        let mut tangents = [[[0.0; 3]; 6]; 2];
+        for d in 0..3 {
+            let [a, b, c, ab, bc, ca] = [x[0][d], x[1][d], x[2][d], x[3][d], x[4][d], x[5][d]];
+            let corners = [
+                [4.0 * ab - 3.0 * a - b, a + 3.0 * b - 4.0 * ab, a - b + 4.0 * (bc - ca)],
+                [4.0 * ca - 3.0 * a - c, a - c + 4.0 * (bc - ab), a + 3.0 * c - 4.0 * ca],
+            ];
+            for (tangent, corners) in tangents.iter_mut().zip(corners) {
+                for k in 0..3 {
+                    tangent[k][d] = corners[k];
+                    tangent[k + 3][d] = 0.5 * (corners[k] + corners[(k + 1) % 3]);
+                }
+            }
+        }
+        for (k, values) in patch.nodes.iter_mut().enumerate() {
+            let (u, v) = (tangents[0][k], tangents[1][k]);
+            values[6] = u[1] * v[2] - u[2] * v[1];
+            values[7] = u[2] * v[0] - u[0] * v[2];
+            values[8] = u[0] * v[1] - u[1] * v[0];
+        }
+        patch
     }
 
     /// A ball that holds the nodes.
     pub fn ball(&self) -> Ball {
-        Ball::around(&self.nodes.map(|[x, y, z, ..]| [x, y, z]))
+        Ball::around(&self.nodes)
     }
 
     /// The four patches that the mid-edge nodes cut it into. A part of a P2 triangle is again P2: nothing is lost.
     pub fn split(&self) -> [Self; 4] {
-        let n = &self.nodes;
-        // On the edge (a, b) with the mid-node m, a quarter of the way from a to b.
-        let quarter = |a: usize, m: usize, b: usize| -> [f64; FIELDS] {
-            std::array::from_fn(|c| 0.375 * n[a][c] + 0.75 * n[m][c] - 0.125 * n[b][c])
+        // The nodes, those a quarter of the way along the edges, and those half-way between two mid-edge nodes.
+        let mut points = [[0.0; FIELDS]; 15];
+        points[..6].copy_from_slice(&self.nodes);
+        for (point, [a, m, b]) in [[0, 3, 1], [1, 3, 0], [1, 4, 2], [2, 4, 1], [2, 5, 0], [0, 5, 2]]
+            .iter()
+            .enumerate()
+        {
+            for c in 0..FIELDS {
+                points[6 + point][c] = 0.375 * self.nodes[*a][c] + 0.75 * self.nodes[*m][c] - 0.125 * self.nodes[*b][c];
+            }
+        }
+        // Between p and q about a corner; r is the third mid-edge node, b and c are the other corners.
+        for (point, [p, q, r, b, c]) in [[3, 5, 4, 1, 2], [4, 3, 5, 2, 0], [5, 4, 3, 0, 1]].iter().enumerate() {
+            let n = &self.nodes;
+            for k in 0..FIELDS {
+                points[12 + point][k] = 0.5 * (n[*p][k] + n[*q][k]) + 0.25 * n[*r][k] - 0.125 * (n[*b][k] + n[*c][k]);
+            }
+        }
+        for point in &mut points {
+            // The parts have a quarter of the area.
+            for c in 6..FIELDS {
+                point[c] *= 0.25;
+            }
+        }
+        let part = |nodes: [usize; 6]| Self {
+            nodes: nodes.map(|point| points[point]),
         };
-        // Half-way between two mid-edge nodes p and q about the corner a; r is the third, b and c the other corners.
-        let inner = |p: usize, q: usize, r: usize, b: usize, c: usize| -> [f64; FIELDS] {
-            std::array::from_fn(|k| 0.5 * (n[p][k] + n[q][k]) + 0.25 * n[r][k] - 0.125 * (n[b][k] + n[c][k]))
-        };
-        let (e03, e31) = (quarter(0, 3, 1), quarter(1, 3, 0));
-        let (e14, e42) = (quarter(1, 4, 2), quarter(2, 4, 1));
-        let (e25, e50) = (quarter(2, 5, 0), quarter(0, 5, 2));
-        let (i35, i43, i54) = (inner(3, 5, 4, 1, 2), inner(4, 3, 5, 2, 0), inner(5, 4, 3, 0, 1));
         [
-            [n[0], n[3], n[5], e03, i35, e50],
-            [n[3], n[1], n[4], e31, e14, i43],
-            [n[5], n[4], n[2], i54, e42, e25],
-            [n[3], n[4], n[5], i43, i54, i35],
+            part([0, 3, 5, 6, 12, 11]),
+            part([3, 1, 4, 7, 8, 13]),
+            part([5, 4, 2, 14, 9, 10]),
+            part([3, 4, 5, 13, 14, 12]),
         ]
-        .map(|nodes| Self {
-            // A quarter of the area.
-            nodes: nodes
-                .map(|[x, y, z, qx, qy, qz, nx, ny, nz]| [x, y, z, qx, qy, qz, 0.25 * nx, 0.25 * ny, 0.25 * nz]),
-        })
     }
 
     /// Adds the patch's sources by a rule, `rule.slots()` of them: at each point the load times weight and surface
@@ -171,6 +183,8 @@ fn interpolate_blocks<const FMA: bool>(blocks: &[Block], nodes: &[[f64; FIELDS];
     let (x, y, z) = (&mut x[..count], &mut y[..count], &mut z[..count]);
     let (fx, fy, fz) = (&mut fx[..count], &mut fy[..count], &mut fz[..count]);
     for (b, block) in blocks.iter().enumerate() {
+        // Read in each block: held for all, they would overflow the registers, which takes longer than a short rule.
+        let nodes = black_box(nodes);
         let field = |c: usize| {
             let mut value = [0.0; LANES];
             for k in 0..6 {
