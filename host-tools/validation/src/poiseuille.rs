@@ -46,7 +46,7 @@ const POINTS: [(f64, f64); 9] = [
 pub struct FiniteDifferences {
     /// `-dp/dx` at mean velocity 1.
     pub pressure_gradient: f64,
-    /// Velocities at [`POINTS`]; the first is the greatest.
+    /// Velocities at the points of the comparison; the first is the greatest.
     pub velocities: [f64; 9],
 }
 
@@ -62,7 +62,7 @@ impl FiniteDifferences {
     }
 }
 
-/// Mean velocity and the velocities at [`POINTS`] for a pressure gradient of 1, with `n` intervals of `h = 1/n` over the
+/// Mean velocity and the velocities at those points for a pressure gradient of 1, with `n` intervals of `h = 1/n` over the
 /// half side.
 fn unit_gradient(n: usize) -> [f64; 10] {
     let (size, h) = (2 * n, 1.0 / n as f64);
