@@ -36,7 +36,7 @@ pub struct Progress {
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Status {
-    /// Steady from this snapshot on ([`SteadyCriteria`]).
+    /// Steady from this snapshot on ([`crate::SteadyCriteria`]).
     Steady {
         /// When (l/V).
         time: f64,
