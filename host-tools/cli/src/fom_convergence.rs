@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the finished runs, so that an interrupted study goes on
+    /// Folder of the finished runs, so that an interrupted study goes on; to be emptied when the solver has changed
     #[arg(long, value_name = "DIR", default_value = "target/convergence")]
     runs: PathBuf,
     /// Cases computed at the same time, each on one thread
@@ -137,7 +137,7 @@ fn table(report: &Report) -> Result<()> {
             format!("total, {}", total.membrane),
             String::new(),
         ];
-        cells.extend(errors(Some(&total.error)));
+        cells.extend(errors(total.error.as_ref()));
         cells.extend([String::new(), String::new()]);
         rows.push(cells);
     }

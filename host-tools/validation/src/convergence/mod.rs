@@ -62,7 +62,8 @@ pub struct Error {
     pub rear_depth_percent: f64,
 }
 
-/// The errors of all causes at the production settings, added up without regard to sign.
+/// The errors of all causes at the production settings, added up without regard to sign; the bending stiffness, which is
+/// a property of the membrane, is not among them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Total {
     /// Capillary number.
@@ -71,8 +72,8 @@ pub struct Total {
     pub confinement: f64,
     /// Which discretisation of the membrane.
     pub membrane: &'static str,
-    /// The sum.
-    pub error: Error,
+    /// The sum; none if a run that it needs stopped early.
+    pub error: Option<Error>,
 }
 
 /// The study's outcome.
@@ -174,12 +175,23 @@ fn compare(cases: &[Case], configurations: &[(f64, f64)], folder: &Path) -> Resu
         }
         for (membrane, other) in [("harmonics", ELEMENTS), ("elements", HARMONICS)] {
             let counts = |row: &&Row| row.production && ![other, BENDING].contains(&row.cause);
-            let errors = rows.iter().filter(counts).filter_map(|row| row.error);
+            // The finest of a cause has no error: that it is not measured is not held against it.
+            let is_finest = |row: &&Row| {
+                cases
+                    .iter()
+                    .rfind(|case| case.cause == row.cause)
+                    .is_some_and(|case| case.value == row.value)
+            };
+            let mut errors = rows
+                .iter()
+                .filter(counts)
+                .filter(|row| !is_finest(row))
+                .map(|row| row.error);
             report.totals.push(Total {
                 ca: configuration.0,
                 confinement: configuration.1,
                 membrane,
-                error: errors.fold(Error::default(), Error::plus_magnitude),
+                error: errors.try_fold(Error::default(), |sum, error| Some(sum.plus_magnitude(error?))),
             });
         }
         report.rows.extend(rows);
@@ -237,12 +249,13 @@ mod tests {
             profile(1) < profile(0) && profile(1) > Some(0.0) && profile(2).is_none(),
             "{second:#?}"
         );
-        let harmonics = &second.totals[0];
+        let [harmonics, elements] = [0, 1].map(|i| &second.totals[i]);
+        let total = harmonics.error.map(|error| error.profile_percent);
+        assert_eq!((harmonics.membrane, total), ("harmonics", profile(1)));
         assert_eq!(
-            (harmonics.membrane, Some(harmonics.error.profile_percent)),
-            ("harmonics", profile(1))
+            (elements.membrane, elements.error),
+            ("elements", Some(Error::default()))
         );
-        assert_eq!(second.totals[1].error, Error::default());
     }
 
     #[test]
