@@ -36,7 +36,7 @@ fn integrators_are_compared_and_plotted() {
     let folder = tempfile::tempdir().unwrap();
     let plot = folder.path().join("integrators.svg");
     let output = capsule_rom(&format!(
-        "fom integrators --mesh 2 --end-time 0.05 --steps 0.05,0.01 --tolerances 1e-3,1e-5 --json --plot {}",
+        "fom integrators --mesh 2 --end-time 0.05 --steps 0.001,0.0005 --tolerances 1e-3,1e-5 --json --plot {}",
         plot.display()
     ));
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
