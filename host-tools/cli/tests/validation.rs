@@ -42,6 +42,7 @@ fn integrators_are_compared_and_plotted() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(rows.len(), 6);
+    assert!(rows[0]["outcome"]["stability_limit"].as_f64() < Some(0.05), "{rows:#?}");
     assert_eq!(rows[4]["integrator"]["rkc2"]["tolerance"], 1e-3);
     let error = |row: &Value| row["error"].as_f64().unwrap();
     assert!(
