@@ -2,7 +2,8 @@
 
 use crate::print;
 use anyhow::{Result, bail};
-use capsule_database::{Database, Entry};
+use capsule_database::Database;
+use capsule_offline::SteadyLimit;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -26,22 +27,14 @@ Examples:
 For each confinement: the greatest capillary number with a steady state, the least one above it without, and the middle
 between them, an estimate of the limit to half the bracket.";
 
-/// The bracket of one row's limit.
-#[derive(Debug, PartialEq, Serialize)]
-struct Limit {
-    confinement: f64,
-    largest_steady_ca: Option<f64>,
-    smallest_unsteady_ca: Option<f64>,
-    limit: Option<f64>,
-}
-
+/// What is printed as JSON.
 #[derive(Serialize)]
 struct Limits {
-    limits: Vec<Limit>,
+    limits: Vec<SteadyLimit>,
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let limits = limits(&Database::open(&options.database)?.entries()?);
+    let limits = capsule_offline::steady_limits(&Database::open(&options.database)?.entries()?);
     if limits.is_empty() {
         bail!("{} holds no configuration", options.database.display());
     }
@@ -61,65 +54,4 @@ pub fn run(options: &Options) -> Result<()> {
         })
         .collect();
     print::table(&["a/l", "steady_to_ca", "unsteady_from_ca", "limit"], &rows)
-}
-
-fn limits(entries: &[Entry]) -> Vec<Limit> {
-    let mut confinements: Vec<f64> = entries.iter().map(|entry| entry.parameters[1]).collect();
-    confinements.sort_by(f64::total_cmp);
-    confinements.dedup();
-    confinements
-        .into_iter()
-        .map(|confinement| {
-            // Entries ascend in Ca.
-            let row = entries.iter().filter(|entry| entry.parameters[1] == confinement);
-            let ca = |entry: &Entry| entry.parameters[0];
-            let largest_steady_ca = row.clone().rfind(|entry| entry.status.is_steady()).map(ca);
-            let smallest_unsteady_ca = largest_steady_ca.and_then(|steady| row.map(ca).find(|ca| *ca > steady));
-            let limit = largest_steady_ca
-                .zip(smallest_unsteady_ca)
-                .map(|(steady, unsteady)| 0.5 * (steady + unsteady));
-            Limit {
-                confinement,
-                largest_steady_ca,
-                smallest_unsteady_ca,
-                limit,
-            }
-        })
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use capsule_database::Status;
-
-    #[test]
-    fn the_limit_lies_between_the_last_steady_and_the_next() {
-        let entry = |ca: f64, a: f64, steady: bool| Entry {
-            parameters: vec![ca, a],
-            status: if steady {
-                Status::Steady { time: 3.0 }
-            } else {
-                Status::Unsteady
-            },
-            snapshots: 2,
-            file: String::new(),
-        };
-        let entries = [
-            entry(0.005, 1.0, false),
-            entry(0.01, 0.9, true),
-            entry(0.01, 1.0, true),
-            entry(0.02, 1.0, true),
-            entry(0.03, 1.0, false),
-            entry(0.04, 1.0, false),
-        ];
-        let limits = limits(&entries);
-        assert_eq!((limits[0].confinement, limits[0].largest_steady_ca), (0.9, Some(0.01)));
-        assert_eq!((limits[0].smallest_unsteady_ca, limits[0].limit), (None, None));
-        assert_eq!(
-            (limits[1].largest_steady_ca, limits[1].smallest_unsteady_ca),
-            (Some(0.02), Some(0.03))
-        );
-        assert_eq!(limits[1].limit, Some(0.025));
-    }
 }

@@ -5,7 +5,7 @@ use crate::solver_options::SolverOptions;
 use crate::{interrupt, print, progress, record};
 use anyhow::{Result, bail};
 use capsule_database::{Database, vtu};
-use capsule_fom::{Configuration, Outcome, Solver, Status};
+use capsule_fom::{Configuration, Film, Outcome, Solver, Status};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -62,6 +62,7 @@ struct Run<'a> {
     steady: bool,
     steady_time: Option<f64>,
     volume_drift: f64,
+    thinnest_film: Film,
     /// The arrays by themselves, for programs that read columns of one object ...
     #[serde(flatten)]
     columns: History<'a>,
@@ -106,6 +107,9 @@ pub fn run(options: &Options) -> Result<()> {
             options.confinement
         );
     }
+    if let Some(warning) = record::film_warning(&solver, &outcome) {
+        eprintln!("warning: {warning}");
+    }
     let (surfaces, mechanics) = fields::of_run(&options.fields, solver.settings(), &outcome)?;
     write(options, &solver, &outcome, &surfaces)?;
     if options.json {
@@ -147,6 +151,7 @@ fn summary<'a>(
         steady: steady_time.is_some(),
         steady_time,
         volume_drift: outcome.volume_drift,
+        thinnest_film: outcome.thinnest_film,
         columns,
         history: columns,
         profile_midplane: outcome.profile_midplane.clone(),

@@ -93,6 +93,11 @@ impl Sweep {
         bar
     }
 
+    /// A warning above the bars, or alone where there are none.
+    pub fn warn(&self, text: &str) {
+        self.bars.suspend(|| eprintln!("warning: {text}"));
+    }
+
     /// Takes all bars away.
     pub fn clear(&self) {
         self.all.finish_and_clear();

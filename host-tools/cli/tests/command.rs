@@ -238,6 +238,47 @@ fn a_full_order_run_prints_its_history_and_writes_its_snapshots() {
 }
 
 #[test]
+fn a_film_that_the_walls_do_not_resolve_is_told() {
+    let run = |confinement: &str| {
+        let output = capsule_rom(&format!(
+            "fom run --ca 0.05 --confinement {confinement} --mesh 2 --end-time 0.02 --json"
+        ));
+        assert!(output.status.success());
+        let run: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let thickness = run["thinnest_film"]["thickness"].as_f64().unwrap();
+        (thickness, String::from_utf8(output.stderr).unwrap())
+    };
+    let (thickness, warning) = run("0.95");
+    assert!(
+        warning.starts_with(&format!("warning: a film of {thickness:.3} l")),
+        "{warning}"
+    );
+    assert_eq!(run("0.75").1, "");
+}
+
+#[test]
+fn single_configurations_are_swept_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (points, database) = (folder.path().join("points.csv"), folder.path().join("database"));
+    let sweep = |text: &str| {
+        std::fs::write(&points, text).unwrap();
+        let (points, database) = (points.display(), database.display());
+        capsule_rom(&format!(
+            "fom sweep --database {database} --mesh 2 --end-time 0.05 --points {points}"
+        ))
+    };
+    let output = sweep("ca,confinement\n0.1,0.8\n0.05,0.85\n0.2,0.8\n");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let entries = capsule_database::Database::open(&database).unwrap().entries().unwrap();
+    let found: Vec<&[f64]> = entries.iter().map(|entry| entry.parameters.as_slice()).collect();
+    assert_eq!(found.len(), 3);
+    assert!(found.contains(&[0.1, 0.8].as_slice()) && found.contains(&[0.05, 0.85].as_slice()));
+    let output = sweep("ca,confinement\n0.1,many\n");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("line 2: \"many\" is not a number"));
+}
+
+#[test]
 fn a_sweep_goes_on_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let sweep = |capillary_numbers: &str| {

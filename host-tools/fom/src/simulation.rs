@@ -102,6 +102,17 @@ pub struct Outcome {
     pub wall_time_s: f64,
     /// Greatest relative change of the enclosed volume.
     pub volume_drift: f64,
+    /// The thinnest film between the membrane and the walls.
+    pub thinnest_film: Film,
+}
+
+/// The film between the membrane and the walls at an instant.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Film {
+    /// When (l/V).
+    pub time: f64,
+    /// Its least thickness (l).
+    pub thickness: f64,
 }
 
 impl Solver {
@@ -133,6 +144,16 @@ impl Solver {
     /// The settings it was built with.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// A film that is too thin for the walls' panels to resolve, if the run had one ([`Duct::resolved_film`]).
+    pub fn unresolved_film(&self, outcome: &Outcome) -> Option<Film> {
+        Some(outcome.thinnest_film).filter(|film| film.thickness < self.duct.resolved_film())
+    }
+
+    /// The film that the walls' panels resolve (l), see [`Duct::resolved_film`].
+    pub fn resolved_film(&self) -> f64 {
+        self.duct.resolved_film()
     }
 
     /// Runs one configuration to its steady state or to the end time. `observer` is called after each step and may
@@ -343,6 +364,10 @@ impl Record {
                 velocity_evaluations: 0,
                 wall_time_s: 0.0,
                 volume_drift: 0.0,
+                thinnest_film: Film {
+                    time: 0.0,
+                    thickness: f64::INFINITY,
+                },
             },
         }
     }
@@ -368,8 +393,16 @@ impl Record {
             centroid,
             pressure_drop,
             volume_drift,
+            thinnest_film,
             ..
         } = &mut self.outcome;
+        let film = Film {
+            time: state.time,
+            thickness: Duct::thinnest_film(&fields.positions),
+        };
+        if film.thickness < thinnest_film.thickness {
+            *thinnest_film = film;
+        }
         history.t.push(state.time);
         history.centroid_velocity.push(fields.centroid_velocity);
         history.axial_length.push(dimensions.axial_length);

@@ -81,6 +81,17 @@ fn integrators_agree_and_snapshots_are_consistent() {
     assert!(difference(&ralston.positions[last], &rkc2.positions[last]) < 1e-3);
     assert!(rkc2.velocity_evaluations < ralston.velocity_evaluations);
     assert!(rkc2.volume_drift < 1e-5 && ralston.volume_drift < 1e-5);
+    // The film is what the widest instant leaves.
+    let reach = |positions: &[[f64; 3]]| {
+        positions
+            .iter()
+            .flat_map(|x| [x[1].abs(), x[2].abs()])
+            .fold(0.0, f64::max)
+    };
+    let widest = (0..=last).max_by(|i, j| reach(&rkc2.positions[*i]).total_cmp(&reach(&rkc2.positions[*j])));
+    let widest = widest.unwrap();
+    assert_eq!(rkc2.thinnest_film.time, rkc2.times[widest]);
+    assert!((rkc2.thinnest_film.thickness - (1.0 - reach(&rkc2.positions[widest]))).abs() < 1e-14);
     // The centroid moves downstream, slower than the undisturbed flow on the axis, and costs pressure.
     assert!(rkc2.centroid[0] == 0.0 && rkc2.centroid[last] > 0.4 && rkc2.centroid[last] < 0.84);
     assert!(rkc2.pressure_drop[last] > 0.0 && rkc2.history.pressure_drop == rkc2.pressure_drop);

@@ -12,6 +12,11 @@ const DENT: f64 = 0.01;
 /// Least depth with which a dent starts where it counts as a jump, over a.
 const JUMP: f64 = 0.05;
 
+/// A jump between samples whose Ca differ by more than this factor is known roughly.
+const ROUGH: f64 = 1.25;
+/// The factor in Ca that samples keep from a line that passes between them.
+const CLEAR: f64 = 1.02;
+
 /// A jump in a row of confinements.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Jump {
@@ -21,6 +26,17 @@ pub struct Jump {
     pub largest_smooth_ca: f64,
     /// The least capillary number with a dent.
     pub smallest_dented_ca: f64,
+}
+
+impl Jump {
+    fn middle(&self) -> f64 {
+        (self.largest_smooth_ca * self.smallest_dented_ca).sqrt()
+    }
+
+    /// How roughly it is known.
+    fn width(&self) -> f64 {
+        self.smallest_dented_ca / self.largest_smooth_ca
+    }
 }
 
 /// The jumps of all rows, by rising confinement: where the depth of the dent, drawn back from its first two samples in a line to
@@ -53,11 +69,25 @@ fn jump(row: &[[f64; 3]]) -> Option<Jump> {
     })
 }
 
-/// The border (a/l, Ca) through the middles of the jumps, drawn on at both ends to half the way to the next of the `rows`,
-/// where there is one.
+/// The border (a/l, Ca): a line through the middles of the jumps that has all samples on their sides. A jump that is known
+/// only roughly makes no point of it where the line between its neighbours passes between its two samples anyway. The line
+/// is drawn on at both ends to half the way to the next of the `rows`, where there is one.
 pub(crate) fn border(jumps: &[Jump], rows: &[f64]) -> Vec<[f64; 2]> {
-    let middle = |jump: &Jump| (jump.largest_smooth_ca * jump.smallest_dented_ca).sqrt();
-    let mut border: Vec<[f64; 2]> = jumps.iter().map(|jump| [jump.confinement, middle(jump)]).collect();
+    let mut by_width: Vec<&Jump> = jumps.iter().collect();
+    by_width.sort_by(|a, b| b.width().total_cmp(&a.width()));
+    let mut border: Vec<[f64; 2]> = jumps.iter().map(|jump| [jump.confinement, jump.middle()]).collect();
+    for jump in by_width.into_iter().take_while(|jump| jump.width() > ROUGH) {
+        let place = border
+            .iter()
+            .position(|[confinement, _]| *confinement == jump.confinement);
+        let Some([[x0, y0], _, [x1, y1]]) = place.and_then(|i| border.get(i.checked_sub(1)?..i + 2)) else {
+            continue;
+        };
+        let line = y0 + (y1 - y0) * (jump.confinement - x0) / (x1 - x0);
+        if jump.largest_smooth_ca * CLEAR < line && line * CLEAR < jump.smallest_dented_ca {
+            border.retain(|[confinement, _]| *confinement != jump.confinement);
+        }
+    }
     let (Some(&[low, before]), Some(&[high, after])) = (border.first(), border.last()) else {
         return border;
     };
@@ -102,5 +132,21 @@ mod tests {
         }
         assert!(found.windows(2).all(|w| w[0][0] < w[1][0]));
         assert!(border(&[], &[0.7, 0.8]).is_empty());
+    }
+
+    #[test]
+    fn a_rough_bracket_gives_way_to_the_line_between_its_neighbours() {
+        let jump = |confinement, largest_smooth_ca, smallest_dented_ca| Jump {
+            confinement,
+            largest_smooth_ca,
+            smallest_dented_ca,
+        };
+        let (left, right) = (jump(0.7, 0.009, 0.01), jump(0.9, 0.008, 0.009));
+        let count = |middle| border(&[left, middle, right], &[0.7, 0.8, 0.9]).len();
+        // The line passes at 0.0090.
+        assert_eq!(count(jump(0.8, 0.005, 0.012)), 4);
+        // It misses this bracket, and this one is good enough to be followed.
+        assert_eq!(count(jump(0.8, 0.005, 0.008)), 5);
+        assert_eq!(count(jump(0.8, 0.0085, 0.0098)), 5);
     }
 }

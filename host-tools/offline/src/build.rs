@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::border::{Jump, border, jumps};
 use crate::hausdorff::Sector;
 use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
-use crate::limit::{SteadyLimit, brackets, curve};
+use crate::limit::{SteadyLimit, curve, steady_limits};
 use crate::pod::{DoublePod, Rule, Snapshots};
 use crate::samples::{Part, SAME_ROW, Sample, clusters, read};
 use crate::spectra::laboratory;
@@ -219,7 +219,7 @@ impl<'a> Plan<'a> {
         check_parameters(database)?;
         let mesh = MeshParts::new(database)?;
         let entries = database.entries()?;
-        let brackets = brackets(&entries);
+        let brackets = steady_limits(&entries);
         let has = |time: f64| database.times().iter().any(|t| (t - time).abs() < SAME_TIME);
         let error_times: Vec<f64> = settings.error_times.iter().copied().filter(|t| has(*t)).collect();
         let samples = read(database, &entries, &brackets, settings, &error_times, progress)?;

@@ -30,7 +30,7 @@ pub use build::{BuildReport, ClusterReport, FieldReport, build};
 pub use error::OfflineError;
 pub use hausdorff::modified_hausdorff;
 pub use leave_one_out::{LeftOut, leave_one_out};
-pub use limit::SteadyLimit;
+pub use limit::{SteadyLimit, steady_limits};
 pub use settings::{Design, Ranks, Settings, Storage, Truncation};
 pub use spectra::{Spectrum, one_minus_ric};
 

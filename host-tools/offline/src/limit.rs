@@ -8,6 +8,9 @@ use crate::samples::SAME_ROW;
 /// Distance in a/l of the points of the curve that a model carries.
 const SPACING: f64 = 0.01;
 
+/// The greatest distance in Ca of a steady and an unsteady sample that tell the limit between.
+const BRACKET: f64 = 0.012;
+
 /// What a row of confinements says about the limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SteadyLimit {
@@ -17,12 +20,13 @@ pub struct SteadyLimit {
     pub largest_steady_ca: Option<f64>,
     /// The least capillary number beyond it without one.
     pub smallest_unsteady_ca: Option<f64>,
-    /// The middle of both; where nothing unsteady is known, the greatest steady one, which the limit exceeds.
+    /// The middle of both, if they are close enough to tell it.
     pub limit: Option<f64>,
 }
 
-/// The bracket of each row of a database, by rising confinement.
-pub(crate) fn brackets(entries: &[Entry]) -> Vec<SteadyLimit> {
+/// The bracket of the steady limit in each row of a database, by rising confinement.
+#[must_use]
+pub fn steady_limits(entries: &[Entry]) -> Vec<SteadyLimit> {
     let mut rows: Vec<f64> = entries.iter().map(|e| e.parameters[1]).collect();
     rows.sort_by(f64::total_cmp);
     rows.dedup_by(|a, b| (*a - *b).abs() <= SAME_ROW);
@@ -37,7 +41,10 @@ pub(crate) fn brackets(entries: &[Entry]) -> Vec<SteadyLimit> {
         let smallest_unsteady_ca = of_row(false)
             .filter(|ca| largest_steady_ca.is_none_or(|steady| *ca > steady))
             .min_by(f64::total_cmp);
-        let limit = largest_steady_ca.map(|low| smallest_unsteady_ca.map_or(low, |high| 0.5 * (low + high)));
+        let limit = match (largest_steady_ca, smallest_unsteady_ca) {
+            (Some(low), Some(high)) if high - low <= BRACKET => Some(0.5 * (low + high)),
+            _ => None,
+        };
         SteadyLimit {
             confinement,
             largest_steady_ca,
@@ -48,13 +55,28 @@ pub(crate) fn brackets(entries: &[Entry]) -> Vec<SteadyLimit> {
     rows.into_iter().map(bracket).collect()
 }
 
+/// The limits that are known, and steady samples above the line through them, which the limit exceeds.
+fn points(brackets: &[SteadyLimit]) -> Vec<[f64; 2]> {
+    let known = brackets.iter().filter_map(|b| Some([b.confinement, b.limit?]));
+    let mut points: Vec<[f64; 2]> = known.collect();
+    for row in brackets.iter().filter(|row| row.limit.is_none()) {
+        let after = points.partition_point(|point| point[0] < row.confinement);
+        let line = match (after.checked_sub(1).and_then(|i| points.get(i)), points.get(after)) {
+            (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (row.confinement - x0) / (x1 - x0),
+            (Some([_, y]), None) | (None, Some([_, y])) => *y,
+            (None, None) => 0.0,
+        };
+        if let Some(steady) = row.largest_steady_ca.filter(|ca| *ca > line) {
+            points.insert(after, [row.confinement, steady]);
+        }
+    }
+    points
+}
+
 /// The curve (a/l, Ca_lim) through the brackets, by the piecewise cubic of Fritsch and Carlson (SIAM J. Numer. Anal. 17,
 /// 1980), which rises and falls where the data do; in steps that are short enough to be joined by lines.
 pub(crate) fn curve(brackets: &[SteadyLimit]) -> Vec<[f64; 2]> {
-    let points: Vec<[f64; 2]> = brackets
-        .iter()
-        .filter_map(|b| Some([b.confinement, b.limit?]))
-        .collect();
+    let points = points(brackets);
     let Some(last) = points.len().checked_sub(1) else {
         return Vec::new();
     };
@@ -124,16 +146,24 @@ mod tests {
             entry(0.12, 0.9, steady.clone()),
             entry(0.124, 0.9, Status::Unsteady),
             entry(0.13, 0.9, Status::Unsteady),
-            entry(0.1, 1.0, steady),
+            entry(0.13, 0.8, steady.clone()),
+            entry(0.12, 0.95, steady.clone()),
+            entry(0.06, 0.98, steady.clone()),
+            entry(0.1, 0.98, Status::Unsteady),
+            entry(0.09, 1.0, steady),
+            entry(0.1, 1.0, Status::Unsteady),
             entry(0.1, 1.1, Status::Unsteady),
         ];
-        let rows = brackets(&entries);
+        let rows = steady_limits(&entries);
         let limits: Vec<_> = rows.iter().map(|r| r.limit).collect();
-        assert_eq!(limits, [Some(0.122), Some(0.1), None]);
-        assert_eq!(rows[0].smallest_unsteady_ca, Some(0.124));
-        assert_eq!(rows[1].smallest_unsteady_ca, None);
+        // Too wide a bracket tells nothing.
+        assert_eq!(limits, [None, Some(0.122), None, None, Some(0.095), None]);
+        assert_eq!(rows[1].smallest_unsteady_ca, Some(0.124));
+        assert_eq!(rows[2].smallest_unsteady_ca, None);
+        // Steady samples above the line through the limits raise it, those below do not.
+        assert_eq!(points(&rows), [[0.8, 0.13], [0.9, 0.122], [0.95, 0.12], [1.0, 0.095]]);
         let curve = curve(&rows);
-        assert_eq!((curve[0], curve[curve.len() - 1]), ([0.9, 0.122], [1.0, 0.1]));
+        assert_eq!((curve[0], curve[curve.len() - 1]), ([0.8, 0.13], [1.0, 0.095]));
     }
 
     #[test]

@@ -124,7 +124,7 @@ impl Default for Settings {
             storage: Storage::Integer,
             kernel: Kernel {
                 neighbours: 24,
-                capillary_scale: 1.5,
+                capillary_scale: 2.0,
             },
             paper: Paper {
                 neighbours: 12,

@@ -3,7 +3,9 @@
 use anyhow::{Result, bail};
 use capsule_fom::Configuration;
 use clap::{Args, ValueEnum};
+use std::path::PathBuf;
 
+use super::points;
 use super::rule::Rule;
 
 #[derive(Args)]
@@ -27,6 +29,10 @@ pub struct DesignOptions {
         conflicts_with = "design"
     )]
     confinement: Vec<f64>,
+    /// Single configurations instead of a grid: a CSV file with the columns ca and confinement; `-` reads the standard
+    /// input
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["design", "ca", "confinement", "beyond", "bracket"])]
+    points: Option<PathBuf>,
     /// Grid points of a row to compute beyond the first one above its steady limit
     #[arg(long, default_value_t = 2, value_name = "N")]
     beyond: usize,
@@ -75,11 +81,14 @@ impl Row {
 impl DesignOptions {
     /// Whether a design was named.
     pub fn is_given(&self) -> bool {
-        self.design.is_some() || !self.ca.is_empty() || !self.confinement.is_empty()
+        self.design.is_some() || !self.ca.is_empty() || !self.confinement.is_empty() || self.points.is_some()
     }
 
     /// How rows end.
     pub fn rule(&self) -> Result<Rule> {
+        if self.points.is_some() {
+            return Ok(Rule::ALL);
+        }
         // File names hold six decimals: a narrower bracket could not be told apart.
         if self.bracket != 0.0 && !(self.bracket >= 1e-5 && self.bracket.is_finite()) {
             bail!("--bracket is {}: it must be 0 or at least 1e-5", self.bracket);
@@ -92,6 +101,20 @@ impl DesignOptions {
 
     /// The rows of the design, or of its part, by rising confinement.
     pub fn rows(&self) -> Result<Vec<Row>> {
+        let rows = match &self.points {
+            Some(file) => rows(points::read(file)?),
+            None => self.grid()?,
+        };
+        Ok(rows
+            .into_iter()
+            .enumerate()
+            .filter(|(index, _)| self.shard.is_none_or(|shard| shard.has(*index)))
+            .map(|(_, row)| row)
+            .collect())
+    }
+
+    /// The rows of a grid, by rising confinement.
+    fn grid(&self) -> Result<Vec<Row>> {
         let own = !self.ca.is_empty() || !self.confinement.is_empty();
         let full = !own && !matches!(self.design, Some(Named::Paper));
         let grid = |given: &[f64], paper: Vec<f64>, ring: &[f64]| {
@@ -121,12 +144,25 @@ impl DesignOptions {
             confinement,
             capillary_numbers: capillary_numbers.clone(),
         });
-        Ok(rows
-            .enumerate()
-            .filter(|(index, _)| self.shard.is_none_or(|shard| shard.has(*index)))
-            .map(|(_, row)| row)
-            .collect())
+        Ok(rows.collect())
     }
+}
+
+/// Single configurations as rows, by rising confinement.
+fn rows(mut points: Vec<Configuration>) -> Vec<Row> {
+    points.sort_by(|a, b| {
+        let by_confinement = a.confinement.total_cmp(&b.confinement);
+        by_confinement.then(a.capillary_number.total_cmp(&b.capillary_number))
+    });
+    points.dedup();
+    let row = |row: &[Configuration]| Row {
+        confinement: row[0].confinement,
+        capillary_numbers: row.iter().map(|c| c.capillary_number).collect(),
+    };
+    points
+        .chunk_by(|a, b| a.confinement == b.confinement)
+        .map(row)
+        .collect()
 }
 
 impl Shard {

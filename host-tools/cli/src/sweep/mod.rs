@@ -2,6 +2,7 @@
 
 mod checkpoint;
 pub mod design;
+mod points;
 pub mod queue;
 pub mod rule;
 
@@ -41,6 +42,7 @@ Examples:
   capsule-rom fom sweep --database models/database --mesh 13
   capsule-rom fom sweep --database coarse --mesh 4 --ca 0.05,0.10 --confinement 0.85,0.90
   capsule-rom fom sweep --database part-2 --mesh 13 --shard 2/8
+  capsule-rom fom sweep --database models/fresh --mesh 13 --points models/fresh.csv
 
 Every configuration is recorded with its trajectory and how it ended: steady, unsteady at the end time, or stopped where
 the solver could not go on. A row of equal confinement ends --beyond grid points above its steady limit. An interrupted
@@ -159,6 +161,14 @@ impl Worker<'_> {
             Pause::Finished(outcome) => {
                 self.database.write(&record::trajectory(&outcome))?;
                 self.checkpoints.forget(configuration);
+                if let Some(warning) = record::film_warning(self.solver, &outcome) {
+                    let Configuration {
+                        capillary_number,
+                        confinement,
+                    } = configuration;
+                    self.bars
+                        .warn(&format!("Ca = {capillary_number}, a/l = {confinement}: {warning}"));
+                }
                 let steady = matches!(outcome.status, Status::Steady { .. });
                 self.queue.finish(configuration, steady);
                 Ok(())

@@ -19,6 +19,12 @@ pub struct Rule {
 }
 
 impl Rule {
+    /// All that a row holds, whatever comes of it, and nothing else.
+    pub const ALL: Self = Self {
+        beyond: usize::MAX,
+        bracket: 0.0,
+    };
+
     /// The capillary numbers of a row that belong to the sweep for certain and whose result is not known. `steady` gives
     /// the results that are known. None are left only when the row is complete.
     pub fn wanted(&self, row: &Row, steady: &dyn Fn(f64) -> Option<bool>) -> Vec<f64> {
