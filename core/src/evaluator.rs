@@ -75,13 +75,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         };
         let samples = MatrixView::new(&cluster.samples).pairs();
         let parameters = [query.capillary_number, query.confinement];
+        let plane = Plane::new(contents);
         workspace.weights = match query.method {
             Method::Direct => {
                 let scratch = workspace.scratch.as_flattened_mut();
-                let plane = Plane::new(contents);
                 Weights::kernel(&contents.kernel, &plane, samples, parameters, None, scratch)?
             }
-            Method::Paper => Weights::diffuse(&contents.paper, samples, parameters, None)?,
+            Method::Paper => Weights::diffuse(&contents.paper, &plane, samples, parameters, None)?,
         };
         for (field, psi) in [&cluster.displacement, &cluster.velocity]
             .into_iter()

@@ -1,12 +1,13 @@
 //! Second-order diffuse approximation (section 3.4.1 of the paper, eqs. 25 to 31).
 //!
-//! Three things differ from the print: r weighs Ca and not a/l (as Figure 5 shows; with r on a/l the neighbours of a
+//! Four things differ from the print: r weighs Ca and not a/l (as Figure 5 shows; with r on a/l the neighbours of a
 //! query lie on one or two rows of the design); R is more than the distance of the M-th sample, which would else have
 //! weight 0; and the coordinates are shifted to the query and divided by R, with a small ridge on the second-order
-//! terms, which leaves sum L = 1 and the first order untouched where the samples do not determine them.
+//! terms, which leaves sum L = 1 and the first order untouched where the samples do not determine them; and samples
+//! beyond a jump of the solution take no part, because a polynomial through a jump swings on both sides of it.
 
 use super::neighbours::{Neighbour, nearest};
-use super::{MONOMIALS, Weights, at_query};
+use super::{MONOMIALS, Plane, Weights, at_query};
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, part, part_mut};
@@ -30,19 +31,26 @@ pub(crate) fn weight<T: Real>(d: T) -> T {
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by diffuse approximation: A p(theta_q) of eqs. (25) and
-    /// (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). `left_out` is a sample that takes no part.
+    /// (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond the plane's border take no part,
+    /// nor does `left_out`.
     ///
     /// # Errors
     /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart.
     pub fn diffuse(
         settings: &Paper,
+        plane: &Plane<'_>,
         samples: impl Iterator<Item = [T; 2]>,
         query: [T; 2],
         left_out: Option<usize>,
     ) -> Result<Self, EvaluateError> {
         const { assert!(N > MONOMIALS, "more neighbours than monomials") };
         let scale = T::from_f64(settings.capillary_scale);
-        let offsets = samples.map(|sample| [scale * (sample[0] - query[0]), sample[1] - query[1]]);
+        let offsets = samples.map(|sample| {
+            if plane.apart(sample, query) {
+                return [T::from_f32(f32::INFINITY); 2];
+            }
+            [scale * (sample[0] - query[0]), sample[1] - query[1]]
+        });
         let mut neighbours = [Neighbour::NONE; N];
         let found = nearest(offsets, left_out, part_mut(&mut neighbours, 0..N - RIDGE_ROWS));
         let holds = usize::from(settings.neighbours).clamp(1, found.max(1));

@@ -207,7 +207,7 @@ mod tests {
         let weights = if kernel {
             Weights::kernel(&KERNEL, &plane, grid(rows), query, left_out, &mut scratch)
         } else {
-            Weights::diffuse(&PAPER, grid(rows), query, left_out)
+            Weights::diffuse(&PAPER, &plane, grid(rows), query, left_out)
         };
         weights.unwrap()
     }
@@ -284,17 +284,19 @@ mod tests {
         let bytes = points([[0.7, 0.035], [1.0, 0.035]]);
         let border = Matrix::f32(2, 2, &bytes);
         let place = |sample: usize| grid::<f64>(10).nth(sample).unwrap();
-        for (query, below) in [([0.033, 0.92], true), ([0.037, 0.92], false)] {
-            let weights = weights_beside::<f64>(&border, true, 10, query, None);
-            for (sample, _) in weights.iter() {
-                let [ca, confinement] = place(sample);
-                assert!((ca < 0.035) == below || confinement > 1.0, "{ca} {confinement}");
+        for kernel in [true, false] {
+            for (query, below) in [([0.033, 0.92], true), ([0.037, 0.92], false)] {
+                let weights = weights_beside::<f64>(&border, kernel, 10, query, None);
+                for (sample, _) in weights.iter() {
+                    let [ca, confinement] = place(sample);
+                    assert!((ca < 0.035) == below || confinement > 1.0, "{ca} {confinement}");
+                }
             }
+            // Beyond its ends it parts nothing.
+            let beyond = weights_beside::<f64>(&border, kernel, 10, [0.035, 1.03], None);
+            let both = [true, false].map(|below| beyond.iter().any(|(j, _)| (place(j)[0] < 0.035) == below));
+            assert_eq!(both, [true, true]);
         }
-        // Beyond its ends it parts nothing.
-        let beyond = weights_beside::<f64>(&border, true, 10, [0.035, 1.03], None);
-        let both = [true, false].map(|below| beyond.iter().any(|(j, _)| (place(j)[0] < 0.035) == below));
-        assert_eq!(both, [true, true]);
     }
 
     #[test]

@@ -163,13 +163,13 @@ pub(crate) fn errors(
 /// The deviation of the weights with which sample `out` is predicted from the others.
 fn deviation(model: &Model, samples: &[[f64; 2]], out: usize, method: Method) -> Result<f64, EvaluateError> {
     let (all, query, contents) = (samples.iter().copied(), samples[out], model.contents());
+    let plane = Plane::new(contents);
     let weights = match method {
         Method::Direct => {
             let mut scratch = vec![0.0; NEIGHBOURS * NEIGHBOURS];
-            let plane = Plane::new(contents);
             Weights::<f64, NEIGHBOURS>::kernel(&contents.kernel, &plane, all, query, Some(out), &mut scratch)?
         }
-        Method::Paper => Weights::diffuse(&contents.paper, all, query, Some(out))?,
+        Method::Paper => Weights::diffuse(&contents.paper, &plane, all, query, Some(out))?,
     };
     Ok(weights.deviation())
 }
