@@ -27,7 +27,6 @@ pub(crate) struct Dynamics<T, const K: usize, const M: usize> {
     manifold: Manifold<T, M>,
     steps: usize,
     alpha: [T; M],
-    xi: [T; M],
 }
 
 impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
@@ -39,7 +38,6 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         manifold: Manifold::EMPTY,
         steps: 0,
         alpha: [T::ZERO; M],
-        xi: [T::ZERO; M],
     };
 
     /// Forgets the query.
@@ -72,7 +70,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         out: &mut [T],
     ) {
         let alpha = self.advance(motion, settings, step, t, scratch);
-        let xi = self.equilibrium(motion, settings, t, &alpha);
+        let xi = self.equilibrium(motion, settings, t, T::ZERO, &alpha);
         self.velocity.lift(&xi, out);
     }
 
@@ -94,10 +92,8 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         }
         while self.steps < target {
             let start = T::from_index(self.steps) * step;
-            let alpha = self.march(motion, settings, start, step);
+            self.alpha = self.march(motion, settings, start, step);
             self.steps += 1;
-            self.alpha = alpha;
-            self.xi = self.equilibrium(motion, settings, T::from_index(self.steps) * step, &alpha);
         }
         let start = T::from_index(target) * step;
         self.march(motion, settings, start, t - start)
@@ -116,12 +112,11 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
             .clamp(0, MOST_PARTS - 1)
             + 1;
         let part = length / T::from_index(parts);
-        let (mut alpha, mut xi) = (self.alpha, self.xi);
-        for done in 1..=parts {
+        let mut alpha = self.alpha;
+        for done in 0..parts {
+            let t = start + T::from_index(done) * part;
+            let xi = self.equilibrium(motion, settings, t, part, &alpha);
             alpha = core::array::from_fn(|k| alpha[k] + part * dot(&self.q[k], &xi));
-            if done < parts {
-                xi = self.equilibrium(motion, settings, start + T::from_index(done) * part, &alpha);
-            }
         }
         alpha
     }
@@ -146,28 +141,40 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         self.learned = true;
     }
 
-    /// The state at t = 0: alpha^D(0), which holds the initial shape, and xi^D(0).
+    /// The state at t = 0: alpha^D(0), which holds the initial shape.
     fn start(&mut self, motion: &Motion<'_, '_, T>) {
+        let (u, v) = (&self.displacement, &self.velocity);
         self.steps = 0;
-        (self.alpha, self.xi) = ([T::ZERO; M], [T::ZERO; M]);
-        snapshot(
-            motion,
-            &self.displacement,
-            &self.velocity,
-            0,
-            &mut self.alpha,
-            &mut self.xi,
-        );
+        self.alpha = [T::ZERO; M];
+        snapshot(motion, u, v, 0, &mut self.alpha, &mut [T::ZERO; M]);
     }
 
-    /// xi = M(alpha, t) (eq. 49).
-    fn equilibrium(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, t: T, alpha: &[T; M]) -> [T; M] {
+    /// xi = M(alpha, t) (eq. 49), for an Euler step of a length from there.
+    ///
+    /// The manifold is a line through a few snapshots that follow each other. Where these drift apart from their mean it
+    /// amplifies whatever deviates from them, without bound. So the response to the deviation of the state from
+    /// the learned trajectory counts only as far as the step does not enlarge the deviation: then what a step errs is
+    /// added to the errors before it, and never multiplied.
+    fn equilibrium(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, t: T, step: T, alpha: &[T; M]) -> [T; M] {
         let (u, v) = (&self.displacement, &self.velocity);
-        let window = T::from_f64(settings.window);
-        self.manifold
-            .velocity(&motion.times, window, t, alpha, |instant, alpha, xi| {
-                snapshot(motion, u, v, instant, alpha, xi);
-            })
+        let (times, window) = (&motion.times, T::from_f64(settings.window));
+        let fetch = |instant, alpha: &mut _, xi: &mut _| snapshot(motion, u, v, instant, alpha, xi);
+        let learned = self.manifold.trajectory(times, t, &self.q, fetch);
+        let along = self.manifold.velocity(times, window, t, &learned, fetch);
+        let here = self.manifold.velocity(times, window, t, alpha, fetch);
+        let deviation: [T; M] = core::array::from_fn(|k| alpha[k] - learned[k]);
+        let response: [T; M] = core::array::from_fn(|k| here[k] - along[k]);
+        let rate: [T; M] = core::array::from_fn(|k| dot(&self.q[k], &response));
+        // |deviation + step share rate| <= |deviation|
+        let (closing, limit) = (-dot(&deviation, &rate), step * dot(&rate, &rate));
+        let share = if closing <= T::ZERO {
+            T::ZERO
+        } else if closing + closing < limit {
+            (closing + closing) / limit
+        } else {
+            T::ONE
+        };
+        core::array::from_fn(|k| along[k] + share * response[k])
     }
 }
 

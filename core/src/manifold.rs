@@ -59,12 +59,45 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         for instant in first..=last {
             let slot = instant % MOST;
             weights[slot] = weight((t - times.get(instant)).abs() / radius);
-            if weights[slot] > T::ZERO && self.instants[slot] != Some(instant) {
-                snapshot(instant, &mut self.alpha[slot], &mut self.xi[slot]);
-                self.instants[slot] = Some(instant);
+            if weights[slot] > T::ZERO {
+                self.hold(instant, &mut snapshot);
             }
         }
         weights
+    }
+
+    /// Brings a snapshot to its slot, if it is not there; returns the slot.
+    fn hold(&mut self, instant: usize, snapshot: &mut impl FnMut(usize, &mut [T; M], &mut [T; M])) -> usize {
+        let slot = instant % MOST;
+        if self.instants[slot] != Some(instant) {
+            snapshot(instant, &mut self.alpha[slot], &mut self.xi[slot]);
+            self.instants[slot] = Some(instant);
+        }
+        slot
+    }
+
+    /// alpha at `t` on the trajectory that is learned from: the cubic through the snapshots at both ends of the interval,
+    /// with their rates Q xi.
+    pub(crate) fn trajectory(
+        &mut self,
+        times: &Times<'_>,
+        t: T,
+        q: &[[T; M]; M],
+        mut snapshot: impl FnMut(usize, &mut [T; M], &mut [T; M]),
+    ) -> [T; M] {
+        let interval = times.interval(t);
+        let [start, end] = [interval, interval + 1].map(|instant| self.hold(instant, &mut snapshot));
+        let before = times.get::<T>(interval);
+        let length = times.get::<T>(interval + 1) - before;
+        let s = (t - before) / length;
+        let rest = T::ONE - s;
+        let [to_start, to_end] = [rest * rest * s * length, -(s * s * rest * length)];
+        let rise = s * s * (T::from_f32(3.0) - s - s);
+        core::array::from_fn(|k| {
+            let [a, b] = [self.alpha[start][k], self.alpha[end][k]];
+            let rates = [start, end].map(|slot| dot(&q[k], &self.xi[slot]));
+            a + rise * (b - a) + to_start * rates[0] + to_end * rates[1]
+        })
     }
 
     /// xi at (alpha, t); see [`fetch`](Self::fetch).

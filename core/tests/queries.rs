@@ -199,3 +199,31 @@ proptest! {
         });
     }
 }
+
+/// A mode that grows: forward Euler along the learned law (1 + 1.5 h)^n falls behind exp(1.5 t) by a third. Deviations that
+/// are only added up leave 1.5 h / 2.
+#[test]
+fn the_papers_steps_do_not_amplify_deviations() {
+    let mut family = Family::new(2);
+    family.rates[0] = -1.5;
+    let (file, parameters) = (family.file(), [0.05, 0.9]);
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f64>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let query = Query::new(parameters[0], parameters[1], Method::Paper);
+    evaluator.prepare(&Query { step: 0.1, ..query }).unwrap();
+    let mut found = vec![[0.0; 3]; family.nodes()];
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Centroid,
+    };
+    evaluator.at(4.0).unwrap().positions(&scene, &mut found).unwrap();
+    let [start, end] = [0.0, 4.0].map(|t| {
+        let mut nodes = family.exact(parameters, t)[0].clone();
+        let centroid = family.state(parameters, t)[0][0] / (family.nodes() as f64).sqrt();
+        nodes.iter_mut().for_each(|node| node[0] -= centroid);
+        nodes
+    });
+    let share = common::distance(&found, &end) / common::distance(&start, &end);
+    assert!(share < 0.1, "{share}");
+}
