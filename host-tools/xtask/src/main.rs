@@ -2,6 +2,7 @@
 
 mod command;
 mod explore;
+mod header;
 mod setup;
 mod test;
 mod wasm;
@@ -29,6 +30,8 @@ Examples:
 enum Task {
     /// Install what the other tasks need: Rust targets, Debian packages, npm modules
     Setup,
+    /// Generate core/capi/include/capsule.h from the Rust sources
+    Header,
     /// Build the WebAssembly module into explorer/src/wasm
     Wasm,
     /// Build CapsuleExplorer and serve it on 127.0.0.1 with the shipped model
@@ -46,6 +49,7 @@ fn root() -> PathBuf {
 fn main() -> ExitCode {
     let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
+        Task::Header => header::write(),
         Task::Wasm => wasm::build(),
         Task::Explore(options) => explore::explore(&options),
         Task::Test(options) => test::test(&options),

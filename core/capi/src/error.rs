@@ -1,0 +1,156 @@
+//! The figures of a failure.
+
+use crate::Status;
+use capsule_core::{EvaluateError, OpenError};
+use core::ffi::c_char;
+use core::ptr;
+
+/// What a call failed at. A field that the status does not mention is zero.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Error {
+    /// The status that the call returned.
+    pub status: Status,
+    /// Name of what was wrong: `what_length` characters without a terminating zero, or null.
+    pub what: *const c_char,
+    /// Length of `what`.
+    pub what_length: usize,
+    /// What was found.
+    pub found: f64,
+    /// The least that would be right.
+    pub least: f64,
+    /// The greatest that would be right.
+    pub greatest: f64,
+}
+
+impl Error {
+    pub(crate) const NONE: Self = Self {
+        status: Status::Ok,
+        what: ptr::null(),
+        what_length: 0,
+        found: 0.0,
+        least: 0.0,
+        greatest: 0.0,
+    };
+
+    pub(crate) fn what(self, what: &'static str) -> Self {
+        Self {
+            what: what.as_ptr().cast(),
+            what_length: what.len(),
+            ..self
+        }
+    }
+
+    pub(crate) fn found(self, found: f64) -> Self {
+        Self { found, ..self }
+    }
+
+    pub(crate) fn least(self, least: f64) -> Self {
+        Self { least, ..self }
+    }
+
+    pub(crate) fn greatest(self, greatest: f64) -> Self {
+        Self { greatest, ..self }
+    }
+}
+
+impl From<Status> for Error {
+    fn from(status: Status) -> Self {
+        Self { status, ..Self::NONE }
+    }
+}
+
+/// A count as a figure, exact below 2^32.
+pub(crate) fn figure(count: usize) -> f64 {
+    f64::from(u32::try_from(count).unwrap_or(u32::MAX))
+}
+
+impl From<OpenError> for Error {
+    fn from(error: OpenError) -> Self {
+        let inconsistent = |what| Self::from(Status::Inconsistent).what(what);
+        match error {
+            OpenError::Truncated { expected, found } => Self::from(Status::Truncated)
+                .found(figure(found))
+                .least(figure(expected)),
+            OpenError::Magic { .. } => Status::Magic.into(),
+            OpenError::Version { found, supported } => Self::from(Status::Version)
+                .found(found.into())
+                .greatest(supported.into()),
+            OpenError::Checksum { expected, found } => {
+                Self::from(Status::Checksum).found(found.into()).least(expected.into())
+            }
+            OpenError::Undecodable => Status::Undecodable.into(),
+            OpenError::TrailingBytes { found } => Self::from(Status::TrailingBytes).found(figure(found)),
+            OpenError::Dimension { what, expected, found } | OpenError::Length { what, expected, found } => {
+                inconsistent(what).found(figure(found)).least(figure(expected))
+            }
+            OpenError::Index { what, value, bound, .. } => {
+                inconsistent(what).found(figure(value)).greatest(figure(bound))
+            }
+            OpenError::Number { what, value, .. } => inconsistent(what).found(value.into()),
+            OpenError::Setting { what, value, min, max } => inconsistent(what).found(value).least(min).greatest(max),
+            OpenError::SectorNode { node, .. } => inconsistent("sector nodes").found(figure(node)),
+            OpenError::MissingNodeSet { name } => inconsistent(name),
+            OpenError::DuplicateSample { second, .. } => inconsistent("samples").found(figure(second)),
+            _ => Status::Other.into(),
+        }
+    }
+}
+
+impl From<EvaluateError> for Error {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Capacity {
+                limit,
+                required,
+                capacity,
+            } => Self::from(Status::Capacity)
+                .what(limit)
+                .found(figure(required))
+                .greatest(figure(capacity)),
+            EvaluateError::Value { what, value, min, max } => Self::from(Status::Value)
+                .what(what)
+                .found(value)
+                .least(min)
+                .greatest(max),
+            EvaluateError::OutsideDomain {
+                capillary_number,
+                confinement,
+                capillary_range,
+                confinement_range,
+            } => {
+                let [least, greatest] = confinement_range;
+                let beside = |name, value, [least, greatest]: [f64; 2]| {
+                    Self::from(Status::OutsideDomain)
+                        .what(name)
+                        .found(value)
+                        .least(least)
+                        .greatest(greatest)
+                };
+                if least <= confinement && confinement <= greatest {
+                    beside("capillary number", capillary_number, capillary_range)
+                } else {
+                    beside("confinement", confinement, confinement_range)
+                }
+            }
+            EvaluateError::BeyondSteadyLimit {
+                capillary_number,
+                limit,
+                ..
+            } => Self::from(Status::BeyondSteadyLimit)
+                .what("capillary number")
+                .found(capillary_number)
+                .greatest(limit),
+            EvaluateError::Weights { sum } => Self::from(Status::Weights).found(sum),
+            EvaluateError::NotPrepared => Status::NotPrepared.into(),
+            EvaluateError::UnknownNode { node, nodes } => Self::from(Status::UnknownNode)
+                .found(figure(node))
+                .greatest(figure(nodes)),
+            EvaluateError::BufferTooShort { required, found } => {
+                Self::from(Status::Short).found(figure(found)).least(figure(required))
+            }
+            EvaluateError::NotFinite => Status::NotFinite.into(),
+            _ => Status::Other.into(),
+        }
+    }
+}

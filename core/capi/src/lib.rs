@@ -1,0 +1,40 @@
+//! C interface of capsule-core, in single precision: what `include/capsule.h` says, and nothing else.
+//!
+//! No heap, no global state, no panic. The caller owns all memory: a model's file, a [`Model`] that describes it, and a
+//! [`Workspace`] for one query at a time. Every function returns a [`Status`]. Symbols carry the version of the
+//! interface, so that two versions can be linked into one program; the header has plain names for them.
+//!
+//! This crate is the only one with unsafe code in the online stage. It is needed to read and write what C points to, and
+//! stays in [`memory`] and [`opaque`]; what the caller has to keep is said at each function, what can be checked is.
+#![no_std]
+
+mod error;
+mod functions;
+mod memory;
+mod opaque;
+mod status;
+mod values;
+
+pub use error::Error;
+pub use functions::*;
+pub use opaque::{
+    MODEL_ALIGNMENT, MODEL_SIZE, MODEL_WORDS, MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS, Model,
+    WORKSPACE_ALIGNMENT, WORKSPACE_SIZE, WORKSPACE_WORDS, Workspace,
+};
+pub use status::Status;
+pub use values::{Description, Domain, Frame, Membrane, Method, Observables, Outline, Parameter, Query};
+
+/// cbindgen:ignore
+#[cfg(feature = "standalone")]
+mod panic {
+    unsafe extern "C" {
+        /// Defined nowhere: a panic that the optimiser cannot rule out becomes a link error.
+        fn capsule_a_panic_can_be_reached() -> !;
+    }
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+        // SAFETY: never linked, so never called.
+        unsafe { capsule_a_panic_can_be_reached() }
+    }
+}

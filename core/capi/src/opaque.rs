@@ -1,0 +1,127 @@
+//! The two objects that a caller allocates without knowing what is in them.
+
+use crate::Status;
+use crate::memory::Buffer;
+use capsule_core as rom;
+use core::ptr::NonNull;
+
+/// The most modes of a field that a workspace holds, the translation included.
+pub const MOST_MODES: usize = 64;
+/// The most local modes of a field that a workspace holds.
+pub const MOST_LOCAL_MODES: usize = 16;
+/// The most samples that take part in a query.
+pub const MOST_NEIGHBOURS: usize = 32;
+
+/// Words of eight bytes in a workspace.
+pub const WORKSPACE_WORDS: usize = 3840;
+/// Bytes of a workspace.
+pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
+/// Alignment of a workspace.
+pub const WORKSPACE_ALIGNMENT: usize = 8;
+/// Words of eight bytes in a model.
+pub const MODEL_WORDS: usize = 640;
+/// Bytes of a model.
+pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
+/// Alignment of a model.
+pub const MODEL_ALIGNMENT: usize = 8;
+
+/// A model: what was found in a file when it was opened. The file's bytes stay where they are.
+#[repr(C)]
+pub struct Model {
+    /// For the library.
+    pub opaque: [u64; MODEL_WORDS],
+}
+
+/// Storage for one query at a time.
+#[repr(C)]
+pub struct Workspace {
+    /// For the library.
+    pub opaque: [u64; WORKSPACE_WORDS],
+}
+
+/// cbindgen:ignore
+pub(crate) type CoreWorkspace = rom::Workspace<f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
+
+/// An opaque object of the interface, and what it holds. The tag tells memory that was set up from memory that was not.
+pub(crate) trait Opaque: Sized {
+    type Content;
+    const TAG: u64;
+    /// What is said of an object that was not set up.
+    const MISSING: Status;
+}
+
+#[repr(C)]
+struct Tagged<C> {
+    tag: u64,
+    content: C,
+}
+
+impl Opaque for Model {
+    type Content = rom::Model<'static>;
+    const TAG: u64 = 0x6c65_646f_6d5f_3176;
+    const MISSING: Status = Status::NoModel;
+}
+
+impl Opaque for Workspace {
+    type Content = CoreWorkspace;
+    const TAG: u64 = 0x6b72_6f77_5f31_7663;
+    const MISSING: Status = Status::NoWorkspace;
+}
+
+impl<O: Opaque> Buffer<O> {
+    const FITS: () = assert!(
+        size_of::<Tagged<O::Content>>() <= size_of::<O>() && align_of::<Tagged<O::Content>>() <= align_of::<O>(),
+        "the object has room for its content"
+    );
+
+    fn tagged(&self) -> NonNull<Tagged<O::Content>> {
+        const { Self::FITS };
+        self.start().cast()
+    }
+
+    /// Puts a content into the object. Nothing in a content needs to be dropped.
+    ///
+    /// # Safety
+    /// The caller of the interface promised that nobody else uses the memory.
+    pub(crate) unsafe fn set_up(self, content: O::Content) {
+        // SAFETY: aligned, and large enough.
+        unsafe { self.tagged().write(Tagged { tag: O::TAG, content }) }
+    }
+
+    /// Marks the object as not set up.
+    ///
+    /// # Safety
+    /// As [`set_up`](Self::set_up).
+    pub(crate) unsafe fn clear(&self) {
+        // SAFETY: the tag is the first word of the object.
+        unsafe { self.start().cast::<u64>().write(0) }
+    }
+
+    /// Refuses an object that was not set up.
+    fn check(&self) -> Result<(), Status> {
+        // SAFETY: the tag is the first word of the object; a caller who leaves it uninitialised gets some number.
+        let tag = unsafe { self.start().cast::<u64>().read() };
+        if tag == O::TAG { Ok(()) } else { Err(O::MISSING) }
+    }
+
+    /// The content.
+    ///
+    /// # Safety
+    /// The caller of the interface promised that the object is as the interface left it, and that nobody writes to it
+    /// while the reference lives.
+    pub(crate) unsafe fn content<'a>(&self) -> Result<&'a O::Content, Status> {
+        self.check()?;
+        // SAFETY: the tag says that the content was written.
+        Ok(unsafe { &self.tagged().as_ref().content })
+    }
+
+    /// The content, to change.
+    ///
+    /// # Safety
+    /// As [`content`](Self::content), and nobody else uses it.
+    pub(crate) unsafe fn content_mut<'a>(&self) -> Result<&'a mut O::Content, Status> {
+        self.check()?;
+        // SAFETY: the tag says that the content was written.
+        Ok(unsafe { &mut self.tagged().as_mut().content })
+    }
+}

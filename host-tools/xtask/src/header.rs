@@ -1,0 +1,87 @@
+//! The header of the C interface, generated from its Rust sources.
+
+use crate::root;
+use anyhow::{Context, Result};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// What every symbol starts with, and the names that programs use instead.
+const VERSIONED: &str = "capsule_v1_";
+const PLAIN: &str = "capsule_";
+
+const INTRODUCTION: &str = "\
+/* capsule-rom: from capillary number and confinement to the motion of a microcapsule in a square channel.
+
+   No heap, no global state. Lengths are in l (half the channel's side), velocities in V (mean velocity of the
+   undisturbed flow), time in l/V. Single precision.
+
+     capsule_open        a model file in memory -> capsule_model
+     capsule_initialise  memory -> capsule_workspace
+     capsule_prepare     parameters -> the workspace is ready for any instant
+     capsule_..._at      what is asked at an instant; it computes that and nothing else
+
+   Every function returns a status; capsule_status_text() says it in words. The last parameter, `error`, may be null;
+   else it is filled with the figures of the failure (on success too), unless a pointer overlaps or `error` itself is
+   misaligned. Pointers may not be null unless it is said; null, misaligned, short and overlapping ones are refused.
+
+   A model file's bytes stay where they are, unchanged, as long as its model is used. Calls that share a model only may
+   run at the same time; calls that share a workspace may not. */
+";
+
+/// Where the committed header is.
+pub fn path() -> PathBuf {
+    root().join("core/capi/include/capsule.h")
+}
+
+/// Writes the header.
+pub fn write() -> Result<()> {
+    std::fs::write(path(), generate()?).with_context(|| format!("could not write {}", path().display()))
+}
+
+/// The header's text.
+fn generate() -> Result<String> {
+    let folder = root().join("core/capi");
+    let mut config = cbindgen::Config::from_file(folder.join("cbindgen.toml").to_string_lossy().as_ref())
+        .map_err(|error| anyhow::anyhow!("cbindgen.toml: {error}"))?;
+    config.header = Some(INTRODUCTION.trim_end().to_owned());
+    let bindings = cbindgen::Builder::new()
+        .with_crate(&folder)
+        .with_config(config)
+        .generate()
+        .context("cbindgen on core/capi")?;
+    let mut bytes = Vec::new();
+    bindings.write(&mut bytes);
+    let text = String::from_utf8(bytes).context("cbindgen writes UTF-8")?;
+    // What Rust wants said of unsafe functions is said once, in the introduction.
+    let text = text.replace("//\n// # Safety\n// See [`functions`](self).\n", "");
+    let Some((declarations, end)) = text.rsplit_once("#endif  /* CAPSULE_H */") else {
+        anyhow::bail!("cbindgen wrote no include guard");
+    };
+    let mut header = declarations.to_owned();
+    header.push_str("/* Plain names of the functions of this version. */\n");
+    for name in functions(declarations) {
+        writeln!(header, "#define {PLAIN}{name} {VERSIONED}{name}")?;
+    }
+    write!(header, "\n#endif  /* CAPSULE_H */{end}")?;
+    Ok(header)
+}
+
+/// Names of the functions that are declared, without their prefix.
+fn functions(declarations: &str) -> impl Iterator<Item = &str> {
+    declarations
+        .split(VERSIONED)
+        .skip(1)
+        .filter_map(|rest| rest.split_once('('))
+        .map(|(name, _)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_header_is_current() {
+        let committed = std::fs::read_to_string(path()).unwrap();
+        assert!(committed == generate().unwrap(), "run `cargo xtask header`");
+    }
+}
