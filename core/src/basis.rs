@@ -17,28 +17,67 @@ pub(crate) struct Basis<T, const K: usize, const M: usize> {
     rows: [[T; K]; M],
 }
 
+/// How far a basis is learned.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Learning<T> {
+    /// The snapshot to absorb next.
+    Snapshot(usize),
+    /// The rotations of the snapshots' factor.
+    Rotations(jacobi::Rotations<T>),
+}
+
+impl<T> Learning<T> {
+    pub(crate) const START: Self = Self::Snapshot(0);
+}
+
 impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
     pub(crate) const EMPTY: Self = Self {
         rank: 0,
         rows: [[T::ZERO; K]; M],
     };
 
-    /// The basis of a field from its snapshots at all stored instants. `factor` is room for the triangular factor.
-    /// The rank is at most `wanted`, and less where the snapshots have no more.
-    pub(crate) fn learn(&mut self, field: &Field<'_, '_, T>, instants: usize, wanted: usize, factor: &mut [[T; K]; K]) {
+    /// A piece of the work of finding a field's basis from its snapshots at all stored instants: one snapshot, or one
+    /// row of their factor. Returns how far it has come, none at the end. `factor` is room for the triangular factor,
+    /// left alone between the pieces. The rank is at most `wanted`, and less where the snapshots have no more.
+    pub(crate) fn learn(
+        &mut self,
+        learning: Learning<T>,
+        field: &Field<'_, '_, T>,
+        instants: usize,
+        wanted: usize,
+        factor: &mut [[T; K]; K],
+    ) -> Option<Learning<T>> {
         let rank = field.rank();
         let columns = rank - 1;
         let factor = part_mut(factor, 0..columns);
-        factor.as_flattened_mut().fill(T::ZERO);
-        let mut snapshot = [T::ZERO; K];
-        for instant in 0..instants {
-            field.at_instant(instant, part_mut(&mut snapshot, 0..rank));
-            absorb(factor, part_mut(&mut snapshot, 1..rank));
+        match learning {
+            Learning::Snapshot(instant) => {
+                if instant == 0 {
+                    factor.as_flattened_mut().fill(T::ZERO);
+                }
+                let mut snapshot = [T::ZERO; K];
+                field.at_instant(instant, part_mut(&mut snapshot, 0..rank));
+                absorb(factor, part_mut(&mut snapshot, 1..rank));
+                Some(if instant + 1 < instants {
+                    Learning::Snapshot(instant + 1)
+                } else {
+                    Learning::Rotations(jacobi::Rotations::new(factor, columns))
+                })
+            }
+            Learning::Rotations(mut rotations) => {
+                if rotations.advance(factor, columns) {
+                    return Some(Learning::Rotations(rotations));
+                }
+                self.choose(factor, columns, wanted);
+                None
+            }
         }
-        jacobi::orthogonalise(factor, columns);
+    }
 
+    /// Takes the longest rows of the factor.
+    fn choose(&mut self, factor: &[[T; K]], columns: usize, wanted: usize) {
         let mut lengths = [T::ZERO; K];
-        for (length, row) in lengths.iter_mut().zip(&*factor) {
+        for (length, row) in lengths.iter_mut().zip(factor) {
             let row = part(row, 0..columns);
             *length = dot(row, row).sqrt();
         }

@@ -89,8 +89,9 @@ impl<T: Real, const K: usize> Interval<T, K> {
 
     /// Mean rate of coefficient `k` over the interval less the mean of its rates at the ends.
     fn excess(&self, length: T, k: usize) -> T {
-        let ([f0, f1], [g0, g1]) = (&self.values, &self.rates);
-        (f1[k] - f0[k]) / length - (g0[k] + g1[k]) * T::from_f32(0.5)
+        let at = |values: &[T; K]| values.get(k).copied().unwrap_or(T::ZERO);
+        let ([f0, f1], [g0, g1]) = (self.values.each_ref().map(at), self.rates.each_ref().map(at));
+        (f1 - f0) / length - (g0 + g1) * T::from_f32(0.5)
     }
 
     /// Fetches the interval that holds `t`, if it is not there yet, and places `t` in it.

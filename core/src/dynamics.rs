@@ -5,7 +5,7 @@
 //! parts as the learned manifold needs where it is.
 
 use crate::Real;
-use crate::basis::Basis;
+use crate::basis::{Basis, Learning};
 use crate::linalg::{dot, part, part_mut};
 use crate::manifold::Manifold;
 use crate::model::wire::Paper;
@@ -16,10 +16,18 @@ const STABLE: f64 = 1.0;
 /// The most parts of a step.
 const MOST_PARTS: usize = 64;
 
+/// What is to be done next.
+#[derive(Clone, Copy, Debug)]
+enum Stage<T> {
+    Displacement(Learning<T>),
+    Velocity(Learning<T>),
+    Steps,
+}
+
 /// The local reduced model of a query and its state after a whole number of steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<T, const K: usize, const M: usize> {
-    learned: bool,
+    stage: Stage<T>,
     displacement: Basis<T, K, M>,
     velocity: Basis<T, K, M>,
     /// Q = W_u^T (Phi_u^T Phi_v) W_v, row by row.
@@ -31,7 +39,7 @@ pub(crate) struct Dynamics<T, const K: usize, const M: usize> {
 
 impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
     pub(crate) const EMPTY: Self = Self {
-        learned: false,
+        stage: Stage::Displacement(Learning::START),
         displacement: Basis::EMPTY,
         velocity: Basis::EMPTY,
         q: [[T::ZERO; M]; M],
@@ -42,7 +50,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
 
     /// Forgets the query.
     pub(crate) fn forget(&mut self) {
-        self.learned = false;
+        self.stage = Stage::Displacement(Learning::START);
     }
 
     /// out <- displacement coefficients at `t`, by steps of `step` and a shorter last one.
@@ -55,7 +63,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         scratch: &mut [[T; K]; K],
         out: &mut [T],
     ) {
-        let alpha = self.advance(motion, settings, step, t, scratch);
+        let alpha = self.state(motion, settings, step, t, scratch);
         self.displacement.lift(&alpha, out);
     }
 
@@ -69,13 +77,13 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         scratch: &mut [[T; K]; K],
         out: &mut [T],
     ) {
-        let alpha = self.advance(motion, settings, step, t, scratch);
+        let alpha = self.state(motion, settings, step, t, scratch);
         let xi = self.equilibrium(motion, settings, t, T::ZERO, &alpha);
         self.velocity.lift(&xi, out);
     }
 
-    /// Steps to the last whole step before `t` and returns alpha at `t`. Starts again where `t` lies before the state.
-    fn advance(
+    /// Steps to the last whole step before `t` and returns alpha at `t`.
+    fn state(
         &mut self,
         motion: &Motion<'_, '_, T>,
         settings: &Paper,
@@ -83,20 +91,54 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         t: T,
         scratch: &mut [[T; K]; K],
     ) -> [T; M] {
-        if !self.learned {
-            self.learn(motion, settings, scratch);
-        }
-        let target = (t / step).to_index();
-        if target < self.steps {
-            self.start(motion);
-        }
-        while self.steps < target {
-            let start = T::from_index(self.steps) * step;
-            self.alpha = self.march(motion, settings, start, step);
-            self.steps += 1;
-        }
-        let start = T::from_index(target) * step;
+        while !self.advance(motion, settings, step, t, scratch) {}
+        let start = T::from_index(self.steps) * step;
         self.march(motion, settings, start, t - start)
+    }
+
+    /// Does one piece of the work that leads to the last whole step before `t`; returns whether nothing is left to do.
+    /// Starts again where `t` lies before the state.
+    pub(crate) fn advance(
+        &mut self,
+        motion: &Motion<'_, '_, T>,
+        settings: &Paper,
+        step: T,
+        t: T,
+        scratch: &mut [[T; K]; K],
+    ) -> bool {
+        let instants = motion.times.count();
+        match self.stage {
+            Stage::Displacement(learning) => {
+                let (field, rank) = (&motion.displacement, settings.displacement_rank.into());
+                self.stage = match self.displacement.learn(learning, field, instants, rank, scratch) {
+                    Some(learning) => Stage::Displacement(learning),
+                    None => Stage::Velocity(Learning::START),
+                };
+            }
+            Stage::Velocity(learning) => {
+                let (field, rank) = (&motion.velocity, settings.velocity_rank.into());
+                self.stage = match self.velocity.learn(learning, field, instants, rank, scratch) {
+                    Some(learning) => Stage::Velocity(learning),
+                    None => {
+                        self.couple(motion);
+                        Stage::Steps
+                    }
+                };
+            }
+            Stage::Steps => {
+                let target = (t / step).to_index();
+                if target < self.steps {
+                    self.start(motion);
+                }
+                if target == self.steps {
+                    return true;
+                }
+                let start = T::from_index(self.steps) * step;
+                self.alpha = self.march(motion, settings, start, step);
+                self.steps += 1;
+            }
+        }
+        false
     }
 
     /// alpha after a time from the state at `start`, in as many parts as stability needs (eq. 48).
@@ -121,13 +163,9 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         alpha
     }
 
-    /// Local bases and Q of the query; the state at t = 0.
-    fn learn(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, scratch: &mut [[T; K]; K]) {
+    /// Q of the query; the state at t = 0.
+    fn couple(&mut self, motion: &Motion<'_, '_, T>) {
         let (u, v) = (&motion.displacement, &motion.velocity);
-        let instants = motion.times.count();
-        self.displacement
-            .learn(u, instants, settings.displacement_rank.into(), scratch);
-        self.velocity.learn(v, instants, settings.velocity_rank.into(), scratch);
         self.q = [[T::ZERO; M]; M];
         let mut rate = [T::ZERO; K];
         for (j, mode) in self.velocity.rows().iter().enumerate().take(M) {
@@ -138,7 +176,6 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         }
         self.manifold.forget();
         self.start(motion);
-        self.learned = true;
     }
 
     /// The state at t = 0: alpha^D(0), which holds the initial shape.

@@ -186,6 +186,21 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         self.t
     }
 
+    /// Does at most `pieces` pieces of the work that everything at this instant waits for, and returns whether it is
+    /// done: for callers who must not be kept. A piece is a snapshot or a row of a local basis, or a step in time of
+    /// [`Method::Paper`]; [`Method::Direct`] has no such work. Another instant may be asked for in between.
+    pub fn advance(&mut self, pieces: usize) -> bool {
+        let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
+        let Workspace {
+            psi, dynamics, scratch, ..
+        } = &mut *self.workspace;
+        let motion = Motion::new(self.model, self.cluster, psi);
+        match self.query.method {
+            Method::Direct => true,
+            Method::Paper => (0..pieces).any(|_| dynamics.advance(&motion, paper, step, t, scratch)),
+        }
+    }
+
     /// Axial position X_c of the volume centroid in the laboratory frame, in l.
     pub fn centroid(&mut self) -> T {
         self.displacement();

@@ -62,7 +62,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let mut columns = [[T::ZERO; N]; MONOMIALS];
         for (j, &[x, y]) in self.offsets.iter().enumerate().take(self.count) {
             for (column, value) in columns.iter_mut().zip([T::ONE, x, y, x * x, x * y, y * y]) {
-                column[j] = value;
+                if let Some(entry) = column.get_mut(j) {
+                    *entry = value;
+                }
             }
         }
         columns

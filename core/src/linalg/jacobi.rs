@@ -6,49 +6,84 @@ use crate::Real;
 /// Graded matrices in single precision needed at most 12.
 const MOST_SWEEPS: usize = 20;
 
-/// Rotates the rows (their first `columns` entries) until they are orthogonal: row i becomes sigma_i v_i^T with the
+/// Rotations of rows (their first `columns` entries) until they are orthogonal: row i becomes sigma_i v_i^T with the
 /// right singular vectors v_i, unordered. What still couples after the last sweep stays below what was there before.
-pub(crate) fn orthogonalise<T: Real, const K: usize>(rows: &mut [[T; K]], columns: usize) {
-    let square = |row: &[T; K]| dot(part(row, 0..columns), part(row, 0..columns));
-    let largest = rows.iter().map(square).fold(T::ZERO, T::max);
-    // Rows below this are rounding of the largest.
-    let floor = largest * T::EPSILON * T::EPSILON * T::from_index(columns);
-    for _ in 0..MOST_SWEEPS {
-        let mut rotated = false;
-        for second in 1..rows.len() {
-            let Some((above, [y, ..])) = rows.split_at_mut_checked(second) else {
-                return;
-            };
-            for x in above {
-                let (a, b) = (square(x), square(y));
-                if a.min(b) <= floor {
-                    continue;
-                }
-                let product = dot(part(x, 0..columns), part(y, 0..columns));
-                // Two roots: the product of the squares could underflow.
-                if product.abs() <= T::EPSILON * T::from_f32(4.0) * a.sqrt() * b.sqrt() {
-                    continue;
-                }
-                rotated = true;
-                let zeta = (b - a) / (product + product);
-                let tangent = T::ONE / (zeta.abs() + (T::ONE + zeta * zeta).sqrt());
-                let tangent = if zeta < T::ZERO { -tangent } else { tangent };
-                let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
-                let sine = cosine * tangent;
-                for (x, y) in x.iter_mut().zip(&mut *y).take(columns) {
-                    (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
-                }
-            }
-        }
-        if !rotated {
-            break;
+/// One row at a time, so that the work can be interrupted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rotations<T> {
+    /// Rows whose square is below are rounding of the largest.
+    floor: T,
+    sweep: usize,
+    row: usize,
+    rotated: bool,
+}
+
+impl<T: Real> Rotations<T> {
+    /// Nothing is rotated yet.
+    pub(crate) fn new<const K: usize>(rows: &[[T; K]], columns: usize) -> Self {
+        let largest = rows.iter().map(|row| square(row, columns)).fold(T::ZERO, T::max);
+        Self {
+            floor: largest * T::EPSILON * T::EPSILON * T::from_index(columns),
+            sweep: 0,
+            row: 1,
+            rotated: false,
         }
     }
+
+    /// Rotates the next row against all above it. Returns false when there is nothing left to do.
+    pub(crate) fn advance<const K: usize>(&mut self, rows: &mut [[T; K]], columns: usize) -> bool {
+        if self.row >= rows.len() {
+            let more = self.rotated && self.sweep + 1 < MOST_SWEEPS;
+            (self.sweep, self.row, self.rotated) = (self.sweep + 1, 1, false);
+            if !more {
+                return false;
+            }
+        }
+        let Some((above, [y, ..])) = rows.split_at_mut_checked(self.row) else {
+            return false;
+        };
+        for x in above {
+            self.rotated |= rotate(x, y, columns, self.floor);
+        }
+        self.row += 1;
+        true
+    }
+}
+
+fn square<T: Real, const K: usize>(row: &[T; K], columns: usize) -> T {
+    dot(part(row, 0..columns), part(row, 0..columns))
+}
+
+/// Makes two rows orthogonal; returns whether they were not.
+fn rotate<T: Real, const K: usize>(x: &mut [T; K], y: &mut [T; K], columns: usize, floor: T) -> bool {
+    let (a, b) = (square(x, columns), square(y, columns));
+    if a.min(b) <= floor {
+        return false;
+    }
+    let product = dot(part(x, 0..columns), part(y, 0..columns));
+    // Two roots: the product of the squares could underflow.
+    if product.abs() <= T::EPSILON * T::from_f32(4.0) * a.sqrt() * b.sqrt() {
+        return false;
+    }
+    let zeta = (b - a) / (product + product);
+    let tangent = T::ONE / (zeta.abs() + (T::ONE + zeta * zeta).sqrt());
+    let tangent = if zeta < T::ZERO { -tangent } else { tangent };
+    let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
+    let sine = cosine * tangent;
+    for (x, y) in x.iter_mut().zip(y).take(columns) {
+        (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+    }
+    true
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn orthogonalise<T: Real, const K: usize>(rows: &mut [[T; K]], columns: usize) {
+        let mut rotations = Rotations::new(rows, columns);
+        while rotations.advance(rows, columns) {}
+    }
 
     /// Eigenvalues of a symmetric matrix as roots of Sturm counts of its LDL^T: an independent way to the squares of
     /// the singular values.

@@ -29,15 +29,23 @@ pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T)
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (x_chunks, x_rest) = x.as_chunks::<LANES>();
     for (a, x) in a_chunks.iter().zip(x_chunks) {
-        for lane in 0..LANES {
-            lanes[lane] += value(a[lane]) * x[lane];
-        }
+        let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
+        let values = [
+            value(a0),
+            value(a1),
+            value(a2),
+            value(a3),
+            value(a4),
+            value(a5),
+            value(a6),
+            value(a7),
+        ];
+        lanes = add_products(lanes, values, *x);
     }
     for ((lane, a), x) in lanes.iter_mut().zip(a_rest).zip(x_rest) {
         *lane += value(*a) * *x;
     }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+    sum(lanes)
 }
 
 /// As [`dot_by`], of entries that have units of the same length.
@@ -47,14 +55,47 @@ pub(crate) fn dot_scaled<E: Copy, U: Copy, T: Real>(a: &[E], units: &[U], x: &[T
     let (unit_chunks, unit_rest) = units.as_chunks::<LANES>();
     let (x_chunks, x_rest) = x.as_chunks::<LANES>();
     for ((a, units), x) in a_chunks.iter().zip(unit_chunks).zip(x_chunks) {
-        for lane in 0..LANES {
-            lanes[lane] += value(a[lane], units[lane]) * x[lane];
-        }
+        let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
+        let [u0, u1, u2, u3, u4, u5, u6, u7] = *units;
+        let scaled = [
+            value(a0, u0),
+            value(a1, u1),
+            value(a2, u2),
+            value(a3, u3),
+            value(a4, u4),
+            value(a5, u5),
+            value(a6, u6),
+            value(a7, u7),
+        ];
+        lanes = add_products(lanes, scaled, *x);
     }
     for (((lane, a), unit), x) in lanes.iter_mut().zip(a_rest).zip(unit_rest).zip(x_rest) {
         *lane += value(*a, *unit) * *x;
     }
-    let [a, b, c, d, e, f, g, h] = lanes;
+    sum(lanes)
+}
+
+/// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in
+/// memory.
+#[inline(always)]
+fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LANES]) -> [T; LANES] {
+    let [l0, l1, l2, l3, l4, l5, l6, l7] = lanes;
+    let [a0, a1, a2, a3, a4, a5, a6, a7] = a;
+    let [x0, x1, x2, x3, x4, x5, x6, x7] = x;
+    [
+        l0 + a0 * x0,
+        l1 + a1 * x1,
+        l2 + a2 * x2,
+        l3 + a3 * x3,
+        l4 + a4 * x4,
+        l5 + a5 * x5,
+        l6 + a6 * x6,
+        l7 + a7 * x7,
+    ]
+}
+
+/// The sum of the lanes.
+fn sum<T: Real>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
