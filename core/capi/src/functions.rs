@@ -205,6 +205,30 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     unsafe { report(error, work) }
 }
 
+/// Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
+/// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot or a row of a local basis, or
+/// a step in time, of the paper's method; the direct method has no such work. What is asked at an instant does what is
+/// left of it.
+///
+/// # Safety
+/// See [`functions`](self).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn capsule_v1_advance(
+    model: *const Model,
+    workspace: *mut Workspace,
+    t: f32,
+    pieces: usize,
+    done: *mut u32,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps what the module says.
+    unsafe {
+        one(model, workspace, t, done, error, |instant| {
+            Ok(u32::from(instant.advance(pieces)))
+        })
+    }
+}
+
 /// Lengths and velocity at the instant `t`, in l/V, of the prepared query.
 ///
 /// # Safety

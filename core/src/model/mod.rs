@@ -141,11 +141,13 @@ fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
     let (header, body) = file
         .split_first_chunk::<HEADER_LENGTH>()
         .ok_or(truncated(HEADER_LENGTH))?;
-    let word = |i: usize| core::array::from_fn(|byte| header[4 * i + byte]);
-    if word(0) != MAGIC {
-        return Err(OpenError::Magic { found: word(0) });
+    let &[magic, version, length, checksum] = header.as_chunks::<4>().0 else {
+        return Err(truncated(HEADER_LENGTH));
+    };
+    if magic != MAGIC {
+        return Err(OpenError::Magic { found: magic });
     }
-    let [version, length, checksum] = [1, 2, 3].map(|i| u32::from_le_bytes(word(i)));
+    let [version, length, checksum] = [version, length, checksum].map(u32::from_le_bytes);
     if version != VERSION {
         return Err(OpenError::Version {
             found: version,

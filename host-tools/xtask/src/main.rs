@@ -3,6 +3,7 @@
 mod command;
 mod explore;
 mod header;
+mod package;
 mod setup;
 mod test;
 mod wasm;
@@ -32,6 +33,8 @@ enum Task {
     Setup,
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,
+    /// Build an archive of the C interface for this machine and for Cortex-M into target/package
+    Package,
     /// Build the WebAssembly module into explorer/src/wasm
     Wasm,
     /// Build CapsuleExplorer and serve it on 127.0.0.1 with the shipped model
@@ -46,10 +49,16 @@ fn root() -> PathBuf {
     manifest.ancestors().nth(2).unwrap_or(manifest).to_path_buf()
 }
 
+/// Where cargo builds.
+fn target_directory() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |set| root().join(set))
+}
+
 fn main() -> ExitCode {
     let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
         Task::Header => header::write(),
+        Task::Package => package::package(),
         Task::Wasm => wasm::build(),
         Task::Explore(options) => explore::explore(&options),
         Task::Test(options) => test::test(&options),

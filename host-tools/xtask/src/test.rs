@@ -1,7 +1,7 @@
 //! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
 
 use crate::command::{command, command_in, run};
-use crate::{explore, root, setup};
+use crate::{explore, package, root, setup};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::time::Instant;
@@ -24,6 +24,8 @@ enum Stage {
     Rust,
     /// the core on an emulated Cortex-M4F
     Firmware,
+    /// the C interface: its archives, on this machine and on emulated Cortex-M4F and M7
+    C,
     /// a sharded sweep on a Slurm of one node
     Cluster,
     /// the page: types, lint, and a drive through it in Chromium
@@ -31,7 +33,14 @@ enum Stage {
 }
 
 impl Stage {
-    const ALL: [Self; 5] = [Self::Lint, Self::Rust, Self::Firmware, Self::Cluster, Self::Browser];
+    const ALL: [Self; 6] = [
+        Self::Lint,
+        Self::Rust,
+        Self::Firmware,
+        Self::C,
+        Self::Cluster,
+        Self::Browser,
+    ];
 
     /// Brings what the stage needs beyond rustup.
     fn set_up(self) -> Result<()> {
@@ -39,6 +48,14 @@ impl Stage {
             Self::Lint | Self::Rust => Ok(()),
             Self::Firmware => {
                 setup::rust_target("thumbv7em-none-eabihf")?;
+                setup::debian_package("qemu-system-arm", "qemu-system-arm")
+            }
+            Self::C => {
+                setup::rust_target(package::CORTEX_M)?;
+                setup::debian_package("gcc", "gcc g++ libc6-dev")?;
+                setup::debian_package("clang", "clang")?;
+                setup::debian_package("valgrind", "valgrind")?;
+                setup::debian_package("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
             }
             Self::Cluster => setup::debian_package("slurmctld", "slurmctld slurmd slurm-client munge"),
@@ -62,6 +79,12 @@ impl Stage {
             }
             Self::Rust => run(&mut command("cargo test --workspace")),
             Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
+            Self::C => {
+                let (host, cortex_m) = (package::folder(&package::host()?)?, package::folder(package::CORTEX_M)?);
+                run(command("cargo test --package capsule-capi --test c")
+                    .env("CAPSULE_HOST_PACKAGE", host)
+                    .env("CAPSULE_CORTEX_M_PACKAGE", cortex_m))
+            }
             Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
             Self::Browser => {
                 explore::build()?;

@@ -2,9 +2,8 @@
 //! crate), then wasm-opt from the page's npm modules.
 
 use crate::command::{command, run};
-use crate::{root, setup};
+use crate::{root, setup, target_directory};
 use anyhow::{Context, Result};
-use std::path::PathBuf;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -44,8 +43,4 @@ fn optimise(module: &std::path::Path) -> Result<()> {
         .args(RUSTC_FEATURES)
         .arg("-o")
         .args([module, module]))
-}
-
-fn target_directory() -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |set| root().join(set))
 }

@@ -1,0 +1,171 @@
+//! The archives of `cargo xtask package`, used as a C programmer would: every example is built by gcc and by clang, runs
+//! under valgrind and under sanitizers, and says the same on an emulated Cortex-M4F and Cortex-M7. The folders of the
+//! archives are in the environment variables CAPSULE_HOST_PACKAGE and CAPSULE_CORTEX_M_PACKAGE:
+//! `cargo xtask test --only c`.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+use capsule_core::{Evaluator, Method, Model, Query, Workspace};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const EXAMPLES: [&str; 4] = ["quick_start", "instrument", "two_models", "slices"];
+const STRICT: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+
+/// A Cortex-M, its compiler's words and its board.
+struct Board {
+    cpu: &'static str,
+    fpu: &'static str,
+    machine: &'static str,
+}
+
+const BOARDS: [Board; 2] = [
+    Board {
+        cpu: "cortex-m4",
+        fpu: "fpv4-sp-d16",
+        machine: "mps2-an386",
+    },
+    Board {
+        cpu: "cortex-m7",
+        fpu: "fpv5-sp-d16",
+        machine: "mps2-an500",
+    },
+];
+
+fn package(variable: &str) -> PathBuf {
+    std::env::var_os(variable)
+        .unwrap_or_else(|| panic!("{variable} is not set: `cargo xtask test --only c`"))
+        .into()
+}
+
+/// What a program prints; it must succeed.
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(
+        output.status.success(),
+        "{command:?}: {}\n{}\n{}",
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Builds an example of a package; returns the program.
+fn build(compiler: &str, options: &[&str], package: &Path, example: &str, name: &str, last: &[PathBuf]) -> PathBuf {
+    // A second model that is not the first.
+    let second = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("family-{name}-{example}.crom"));
+    std::fs::write(&second, common::Family::new(3).file()).unwrap();
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{example}-{name}"));
+    run(Command::new(compiler)
+        .args(STRICT)
+        .args(options)
+        .arg(format!("-I{}", package.join("include").display()))
+        .arg(format!("-DMODEL=\"{}\"", package.join("models/capsule.crom").display()))
+        .arg(format!("-DSECOND_MODEL=\"{}\"", second.display()))
+        .args([format!("examples/{example}.c"), "examples/model.S".to_owned()].map(|file| package.join(file)))
+        .args(last)
+        .arg(package.join("lib/libcapsule.a"))
+        .arg("-Wl,--gc-sections")
+        .arg("-o")
+        .arg(&program));
+    program
+}
+
+fn on_host(compiler: &str, options: &[&str], example: &str, name: &str) -> PathBuf {
+    build(compiler, options, &package("CAPSULE_HOST_PACKAGE"), example, name, &[])
+}
+
+/// What the example says where nothing watches it.
+fn said(example: &str, name: &str) -> String {
+    run(&mut Command::new(on_host("gcc", &["-O2"], example, name)))
+}
+
+#[test]
+fn gcc_and_clang_and_what_the_core_answers() {
+    for example in EXAMPLES {
+        let by_clang = run(&mut Command::new(on_host("clang", &["-O2"], example, "clang")));
+        assert_eq!(said(example, "gcc"), by_clang, "{example}");
+    }
+    let file = std::fs::read(package("CAPSULE_HOST_PACKAGE").join("models/capsule.crom")).unwrap();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f32>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let method: Method = model.contents().default_method;
+    evaluator.prepare(&Query::new(0.10, 0.90, method)).unwrap();
+    let length = evaluator.at(3.0).unwrap().observables().unwrap().axial_length;
+    let text = said("quick_start", "again");
+    let printed = text
+        .split("length ")
+        .nth(1)
+        .and_then(|rest| rest.split(',').next())
+        .unwrap();
+    assert_eq!(printed.parse::<f32>().unwrap().to_bits(), length.to_bits(), "{text}");
+}
+
+#[test]
+fn valgrind_finds_nothing() {
+    for example in EXAMPLES {
+        let program = on_host("gcc", &["-O1", "-g"], example, "valgrind");
+        let watched = run(Command::new("valgrind")
+            .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
+            .arg(program));
+        assert_eq!(watched, said(example, "beside-valgrind"), "{example}");
+    }
+}
+
+#[test]
+fn sanitizers_find_nothing() {
+    for example in EXAMPLES {
+        let options = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+        let watched = run(&mut Command::new(on_host("gcc", &options, example, "sanitized")));
+        assert_eq!(watched, said(example, "beside-sanitizers"), "{example}");
+    }
+}
+
+#[test]
+fn the_header_is_good_for_other_languages() {
+    let include = format!("-I{}", package("CAPSULE_HOST_PACKAGE").join("include").display());
+    let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header.inc");
+    std::fs::write(&source, "#include <capsule.h>\ncapsule_workspace workspace;\n").unwrap();
+    for words in [
+        ["gcc", "-std=c99", "-xc"],
+        ["clang", "-std=c2x", "-xc"],
+        ["g++", "-std=c++11", "-xc++"],
+    ] {
+        run(Command::new(words[0])
+            .args(["-Wall", "-Wextra", "-Werror", "-fsyntax-only", &include])
+            .args(&words[1..])
+            .arg(&source));
+    }
+}
+
+#[test]
+fn a_microcontroller_says_the_same() {
+    let package = package("CAPSULE_CORTEX_M_PACKAGE");
+    for Board { cpu, fpu, machine } in BOARDS {
+        let script = format!("-T{}", package.join("examples/cortex-m/mps2.ld").display());
+        let (cpu_option, fpu_option) = (format!("-mcpu={cpu}"), format!("-mfpu={fpu}"));
+        let options = [
+            "-O2",
+            &cpu_option,
+            "-mthumb",
+            "-mfloat-abi=hard",
+            &fpu_option,
+            "--specs=rdimon.specs",
+            &script,
+        ];
+        let start = [package.join("examples/cortex-m/start.c")];
+        for example in EXAMPLES {
+            let program = build("arm-none-eabi-gcc", &options, &package, example, cpu, &start);
+            let printed = run(Command::new("qemu-system-arm")
+                .args([
+                    "-M", machine, "-cpu", cpu, "-display", "none", "-serial", "none", "-monitor", "none",
+                ])
+                .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+                .arg(program));
+            assert_eq!(printed, said(example, cpu), "{example} on {cpu}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Ready archives of the C interface, one a target: header, static library, model, examples.
+
+use crate::command::{command, output, run};
+use crate::{header, root, setup, target_directory};
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Cortex-M4F; the library runs on a Cortex-M7 too.
+pub const CORTEX_M: &str = "thumbv7em-none-eabihf";
+
+/// Builds the archives of this machine and of Cortex-M.
+pub fn package() -> Result<()> {
+    for target in [host()?, CORTEX_M.to_owned()] {
+        let folder = folder(&target)?;
+        run(&mut command(&format!(
+            "tar -czf {0}.tar.gz -C {1} {2}",
+            folder.display(),
+            packages().display(),
+            name(&target)
+        )))?;
+        println!("{}.tar.gz", folder.display());
+    }
+    Ok(())
+}
+
+/// Builds the archive's folder for a target and returns it.
+pub fn folder(target: &str) -> Result<PathBuf> {
+    let (source, folder) = (root().join("core/capi"), packages().join(name(target)));
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("could not remove {}", folder.display()))?;
+    }
+    copy(&library(target)?, &folder.join("lib/libcapsule.a"))?;
+    copy(&header::path(), &folder.join("include/capsule.h"))?;
+    copy(&source.join("README.md"), &folder.join("README.md"))?;
+    copy(&root().join("models/capsule.crom"), &folder.join("models/capsule.crom"))?;
+    for part in ["examples", "examples/cortex-m"] {
+        for entry in fs::read_dir(source.join(part)).with_context(|| format!("core/capi/{part}"))? {
+            let file = entry?.path();
+            if let (true, Some(name)) = (file.is_file(), file.file_name()) {
+                copy(&file, &folder.join(part).join(name))?;
+            }
+        }
+    }
+    Ok(folder)
+}
+
+/// Builds the static library for a target.
+fn library(target: &str) -> Result<PathBuf> {
+    setup::rust_target(target)?;
+    let cpu = if target == CORTEX_M { "cortex-m4" } else { "generic" };
+    run(&mut command(&format!(
+        "cargo rustc --quiet --package capsule-capi --crate-type staticlib --features standalone --profile embedded \
+         --target {target} -- -C target-cpu={cpu}"
+    )))?;
+    Ok(target_directory().join(target).join("embedded/libcapsule_capi.a"))
+}
+
+/// The target of this machine.
+pub fn host() -> Result<String> {
+    Ok(output(&mut command("rustc --print host-tuple"))?.trim().to_owned())
+}
+
+fn packages() -> PathBuf {
+    target_directory().join("package")
+}
+
+fn name(target: &str) -> String {
+    format!("capsule-rom-{}-{target}", env!("CARGO_PKG_VERSION"))
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    let copied = to
+        .parent()
+        .map_or(Ok(()), fs::create_dir_all)
+        .and_then(|()| fs::copy(from, to));
+    copied.with_context(|| format!("could not copy {} to {}", from.display(), to.display()))?;
+    Ok(())
+}
