@@ -15,12 +15,18 @@ fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/firmware")
 }
 
-/// Builds the firmware with a model in its flash, runs it and returns what it prints.
-fn on_the_target(model: &Path) -> String {
+/// A Cortex-M7 instead of the firmware's own board.
+const CORTEX_M7: &str = "qemu-system-arm -M mps2-an500 -cpu cortex-m7 -nographic -semihosting-config \
+                         enable=on,target=native -kernel";
+
+/// Builds a program of the firmware with a model in its flash, runs it and returns what it prints.
+fn on_the_target(program: &str, model: &Path, runner: Option<&str>) -> String {
     // A target directory of its own: this test's cargo holds the lock of the other.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware");
     let output = Command::new(env!("CARGO"))
-        .args(["run", "--release", "--locked"])
+        .args(["run", "--release", "--locked", "--bin", program])
+        .envs(runner.map(|runner| ("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER", runner)))
+        .envs(runner.map(|_| ("CAPSULE_EXTERNAL", "0x60000000")))
         .current_dir(firmware())
         .env("CAPSULE_MODEL", model)
         .env("CARGO_TARGET_DIR", target)
@@ -30,7 +36,8 @@ fn on_the_target(model: &Path) -> String {
         .expect("cargo starts");
     assert!(
         output.status.success(),
-        "the firmware failed:\n{}",
+        "the firmware failed:\n{}\n{}",
+        String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)
     );
     String::from_utf8(output.stdout).expect("the firmware prints ASCII")
@@ -51,7 +58,7 @@ fn on_this_machine(model: &Path) -> String {
 }
 
 fn agree(model: &Path) {
-    let (target, here) = (on_the_target(model), on_this_machine(model));
+    let (target, here) = (on_the_target("capsule-firmware", model, None), on_this_machine(model));
     assert_eq!(target.lines().count(), questions::COUNT);
     for (question, (target, here)) in target.lines().zip(here.lines()).enumerate() {
         assert_eq!(
@@ -72,4 +79,12 @@ fn a_small_model_gives_the_same_bits_on_the_target() {
 #[test]
 fn the_shipped_model_gives_the_same_bits_on_the_target() {
     agree(&firmware().join("../../models/capsule.crom"));
+}
+
+#[test]
+fn the_conformance_vectors_on_cortex_m4_and_m7() {
+    for runner in [None, Some(CORTEX_M7)] {
+        let said = on_the_target("conformance", &firmware().join("../../models/capsule.crom"), runner);
+        assert!(said.trim_end().ends_with("passed, 0 failed"), "{said}");
+    }
 }

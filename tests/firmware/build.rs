@@ -4,10 +4,19 @@
 use std::env;
 use std::path::PathBuf;
 
+/// Where the external memory of AN386 starts.
+const AN386: &str = "0x21000000";
+
 fn main() {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
-    println!("cargo:rustc-link-search={}", here.display());
+    // Where the external memory starts: CAPSULE_EXTERNAL for another board than AN386.
     println!("cargo:rerun-if-changed=memory.x");
+    println!("cargo:rerun-if-env-changed=CAPSULE_EXTERNAL");
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
+    let memory = std::fs::read_to_string(here.join("memory.x")).expect("memory.x");
+    let external = env::var("CAPSULE_EXTERNAL").unwrap_or_else(|_| AN386.to_owned());
+    std::fs::write(out.join("memory.x"), memory.replace(AN386, &external)).expect("a file can be written");
+    println!("cargo:rustc-link-search={}", out.display());
 
     println!("cargo:rerun-if-env-changed=CAPSULE_MODEL");
     let model = env::var_os("CAPSULE_MODEL").map_or_else(|| here.join("../../models/capsule.crom"), PathBuf::from);

@@ -332,6 +332,17 @@ capsule_status capsule_v1_prepare(const struct capsule_model *model,
                                   capsule_domain *domain,
                                   struct capsule_error *error);
 
+// Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
+// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot or a row of a local basis, or
+// a step in time, of the paper's method; the direct method has no such work. What is asked at an instant does what is
+// left of it.
+capsule_status capsule_v1_advance(const struct capsule_model *model,
+                                  struct capsule_workspace *workspace,
+                                  float t,
+                                  size_t pieces,
+                                  uint32_t *done,
+                                  struct capsule_error *error);
+
 // Lengths and velocity at the instant `t`, in l/V, of the prepared query.
 capsule_status capsule_v1_observables_at(const struct capsule_model *model,
                                          struct capsule_workspace *workspace,
@@ -420,6 +431,7 @@ capsule_status capsule_v1_membrane_at(const struct capsule_model *model,
 #define capsule_describe_parameter capsule_v1_describe_parameter
 #define capsule_initialise capsule_v1_initialise
 #define capsule_prepare capsule_v1_prepare
+#define capsule_advance capsule_v1_advance
 #define capsule_observables_at capsule_v1_observables_at
 #define capsule_expected_error_at capsule_v1_expected_error_at
 #define capsule_centroid_at capsule_v1_centroid_at

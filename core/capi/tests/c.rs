@@ -18,6 +18,8 @@ struct Board {
     cpu: &'static str,
     fpu: &'static str,
     machine: &'static str,
+    /// Where its external memory starts.
+    external: &'static str,
 }
 
 const BOARDS: [Board; 2] = [
@@ -25,11 +27,13 @@ const BOARDS: [Board; 2] = [
         cpu: "cortex-m4",
         fpu: "fpv4-sp-d16",
         machine: "mps2-an386",
+        external: "0x21000000",
     },
     Board {
         cpu: "cortex-m7",
         fpu: "fpv5-sp-d16",
         machine: "mps2-an500",
+        external: "0x60000000",
     },
 ];
 
@@ -144,7 +148,13 @@ fn the_header_is_good_for_other_languages() {
 #[test]
 fn a_microcontroller_says_the_same() {
     let package = package("CAPSULE_CORTEX_M_PACKAGE");
-    for Board { cpu, fpu, machine } in BOARDS {
+    for Board {
+        cpu,
+        fpu,
+        machine,
+        external,
+    } in BOARDS
+    {
         let script = format!("-T{}", package.join("examples/cortex-m/mps2.ld").display());
         let (cpu_option, fpu_option) = (format!("-mcpu={cpu}"), format!("-mfpu={fpu}"));
         let options = [
@@ -156,7 +166,8 @@ fn a_microcontroller_says_the_same() {
             "--specs=rdimon.specs",
             &script,
         ];
-        let start = [package.join("examples/cortex-m/start.c")];
+        let external = format!("-Wl,--defsym=EXTERNAL={external}");
+        let start = [external.into(), package.join("examples/cortex-m/start.c")];
         for example in EXAMPLES {
             let program = build("arm-none-eabi-gcc", &options, &package, example, cpu, &start);
             let printed = run(Command::new("qemu-system-arm")

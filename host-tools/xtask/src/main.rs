@@ -1,6 +1,7 @@
 //! `cargo xtask`: the one entry for set-up, tests and the page, the same for a person and for CI.
 
 mod command;
+mod conformance;
 mod explore;
 mod header;
 mod package;
@@ -31,6 +32,8 @@ Examples:
 enum Task {
     /// Install what the other tasks need: Rust targets, Debian packages, npm modules
     Setup,
+    /// Check the conformance vectors on this machine, or write them
+    Conformance(conformance::Options),
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,
     /// Build an archive of the C interface for this machine and for Cortex-M into target/package
@@ -57,6 +60,7 @@ fn target_directory() -> PathBuf {
 fn main() -> ExitCode {
     let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
+        Task::Conformance(options) => conformance::conformance(&options),
         Task::Header => header::write(),
         Task::Package => package::package(),
         Task::Wasm => wasm::build(),

@@ -1,7 +1,7 @@
 //! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
 
 use crate::command::{command, command_in, run};
-use crate::{explore, package, root, setup};
+use crate::{conformance, explore, package, root, setup};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::time::Instant;
@@ -91,7 +91,8 @@ impl Stage {
                 run(&mut command("cargo build --quiet --package capsule-cli"))?;
                 run(&mut command_in(&root().join("explorer"), "npm run check"))?;
                 run(&mut command_in(&root().join("explorer"), "npm run lint"))?;
-                run(&mut command_in(&root().join("tests/browser"), "npm test"))
+                run(command_in(&root().join("tests/browser"), "npm test")
+                    .env("CAPSULE_CONFORMANCE", conformance::module()?))
             }
         }
     }

@@ -5,7 +5,8 @@ use crate::command::{command, run};
 use crate::{root, setup, target_directory};
 use anyhow::{Context, Result};
 
-const TARGET: &str = "wasm32-unknown-unknown";
+/// The target of browsers.
+pub const TARGET: &str = "wasm32-unknown-unknown";
 
 /// What rustc assumes of an engine; with more, wasm-opt writes modules that browsers refuse.
 const RUSTC_FEATURES: [&str; 7] = [

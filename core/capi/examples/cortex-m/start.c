@@ -15,6 +15,10 @@ static void stop(void) {
   }
 }
 
-__attribute__((section(".vectors"), used)) static const void *const vectors[16] = {
-    &__StackTop, start, stop, stop, stop, stop, stop, 0, 0, 0, 0, stop, stop, 0, stop, stop,
+struct vectors {
+  uint32_t *stack;
+  void (*handlers[15])(void);
 };
+
+__attribute__((section(".vectors"), used)) static const struct vectors vectors = {
+    &__StackTop, {start, stop, stop, stop, stop, stop, 0, 0, 0, 0, stop, stop, 0, stop, stop}};
