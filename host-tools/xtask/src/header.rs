@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 /// What every symbol starts with, and the names that programs use instead.
-const VERSIONED: &str = "capsule_v1_";
+pub const VERSIONED: &str = "capsule_v1_";
 const PLAIN: &str = "capsule_";
 
 const INTRODUCTION: &str = "\
@@ -67,7 +67,7 @@ fn generate() -> Result<String> {
 }
 
 /// Names of the functions that are declared, without their prefix.
-fn functions(declarations: &str) -> impl Iterator<Item = &str> {
+pub fn functions(declarations: &str) -> impl Iterator<Item = &str> {
     declarations
         .split(VERSIONED)
         .skip(1)

@@ -1,5 +1,6 @@
 //! `cargo xtask`: the one entry for set-up, tests and the page, the same for a person and for CI.
 
+mod budgets;
 mod command;
 mod conformance;
 mod explore;
@@ -32,6 +33,8 @@ Examples:
 enum Task {
     /// Install what the other tasks need: Rust targets, Debian packages, npm modules
     Setup,
+    /// Measure what the online stage costs on a Cortex-M4F, and compare with what was recorded
+    Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
     Conformance(conformance::Options),
     /// Generate core/capi/include/capsule.h from the Rust sources
@@ -60,6 +63,7 @@ fn target_directory() -> PathBuf {
 fn main() -> ExitCode {
     let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
+        Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Header => header::write(),
         Task::Package => package::package(),

@@ -1,7 +1,7 @@
 //! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
 
 use crate::command::{command, command_in, run};
-use crate::{conformance, explore, package, root, setup};
+use crate::{budgets, conformance, explore, package, root, setup};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::time::Instant;
@@ -26,6 +26,8 @@ enum Stage {
     Firmware,
     /// the C interface: its archives, on this machine and on emulated Cortex-M4F and M7
     C,
+    /// instructions, stack and bytes of the online stage on an emulated Cortex-M4F
+    Budgets,
     /// a sharded sweep on a Slurm of one node
     Cluster,
     /// the page: types, lint, and a drive through it in Chromium
@@ -33,11 +35,12 @@ enum Stage {
 }
 
 impl Stage {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 7] = [
         Self::Lint,
         Self::Rust,
         Self::Firmware,
         Self::C,
+        Self::Budgets,
         Self::Cluster,
         Self::Browser,
     ];
@@ -48,6 +51,11 @@ impl Stage {
             Self::Lint | Self::Rust => Ok(()),
             Self::Firmware => {
                 setup::rust_target("thumbv7em-none-eabihf")?;
+                setup::debian_package("qemu-system-arm", "qemu-system-arm")
+            }
+            Self::Budgets => {
+                setup::rust_target(package::CORTEX_M)?;
+                setup::debian_package("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
             }
             Self::C => {
@@ -85,6 +93,7 @@ impl Stage {
                     .env("CAPSULE_HOST_PACKAGE", host)
                     .env("CAPSULE_CORTEX_M_PACKAGE", cortex_m))
             }
+            Self::Budgets => budgets::budgets(&budgets::Options::default()),
             Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
             Self::Browser => {
                 explore::build()?;

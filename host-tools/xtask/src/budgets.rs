@@ -1,0 +1,184 @@
+//! What the online stage costs on a Cortex-M4F, against what was recorded: a rise of more than 2 % fails.
+
+use crate::command::{command, command_in, output, run};
+use crate::{header, package, root, setup, target_directory, wasm};
+use anyhow::{Context, Result, anyhow, bail};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// The greatest rise that is not told.
+const TOLERANCE: f64 = 1.02;
+
+/// What is aimed at.
+const TARGETS: [(&str, u64); 8] = [
+    ("m4f_observables_instructions", 250_000),
+    ("m4f_outline_instructions", 400_000),
+    ("m4f_dynamics_instructions", 12_000_000),
+    ("workspace_bytes", 32 << 10),
+    ("stack_bytes", 4 << 10),
+    ("text_bytes", 48 << 10),
+    ("model_bytes", u64::MAX),
+    ("wasm_bytes", 40_000),
+];
+
+#[derive(Default, clap::Args)]
+pub struct Options {
+    /// Print the figures as JSON
+    #[arg(long)]
+    json: bool,
+    /// Record the figures instead of comparing them
+    #[arg(long)]
+    write: bool,
+}
+
+/// Measures, and compares with what was recorded.
+pub fn budgets(options: &Options) -> Result<()> {
+    let figures = measure()?;
+    if options.json {
+        println!("{:#}", Value::Object(figures.clone()));
+    } else {
+        for (name, figure) in &figures {
+            let target = TARGETS.iter().find(|(of, target)| of == name && *target < u64::MAX);
+            let target = target.map_or(String::new(), |(_, target)| format!("  (target {target})"));
+            println!("{name:<36} {figure:>12}{target}");
+        }
+    }
+    let compilers = compilers()?;
+    if options.write {
+        let record = json!({ "compilers": compilers, "figures": figures });
+        return std::fs::write(record_path(), format!("{record:#}\n")).context("could not write the record");
+    }
+    let record: Value = serde_json::from_str(&std::fs::read_to_string(record_path()).context("the record")?)?;
+    if record["compilers"] != json!(compilers) {
+        eprintln!(
+            "recorded with {}, measured with {compilers}: not compared",
+            record["compilers"]
+        );
+        return Ok(());
+    }
+    let risen = risen(&record["figures"], &figures);
+    if risen.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "risen by more than 2 % (`cargo xtask budgets --write` records new figures):\n  {}",
+        risen.join("\n  ")
+    )
+}
+
+/// Figures that are more than what was recorded, with both numbers.
+fn risen(recorded: &Value, figures: &Map<String, Value>) -> Vec<String> {
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::INFINITY);
+    figures
+        .iter()
+        .filter(|(name, _)| *name != "model_bytes")
+        .filter(|(name, figure)| {
+            recorded
+                .get(name)
+                .is_none_or(|before| number(figure) > TOLERANCE * number(before))
+        })
+        .map(|(name, figure)| format!("{name}: {} recorded, {figure} measured", recorded[name]))
+        .collect()
+}
+
+/// All figures.
+fn measure() -> Result<Map<String, Value>> {
+    let package = package::folder(package::CORTEX_M)?;
+    let mut figures = Map::new();
+    for line in emulated(&package)?.lines() {
+        let (name, value) = line.split_once(' ').ok_or_else(|| anyhow!("the board says: {line}"))?;
+        let value: u64 = value.parse().with_context(|| format!("the board says: {line}"))?;
+        let name = if name.ends_with("_instructions") {
+            format!("m4f_{name}")
+        } else {
+            name.to_owned()
+        };
+        figures.insert(name, value.into());
+    }
+    figures.insert("workspace_bytes".into(), capsule_capi::WORKSPACE_SIZE.into());
+    figures.insert("text_bytes".into(), text(&package)?.into());
+    let bytes =
+        |path: &Path| Ok::<u64, anyhow::Error>(path.metadata().with_context(|| path.display().to_string())?.len());
+    figures.insert("model_bytes".into(), bytes(&root().join("models/capsule.crom"))?.into());
+    figures.insert("wasm_bytes".into(), bytes(&module()?)?.into());
+    Ok(figures)
+}
+
+/// What the firmware of tests/budgets prints.
+fn emulated(package: &Path) -> Result<String> {
+    let program = target_directory().join("budgets.elf");
+    run(command(
+        "arm-none-eabi-gcc -std=c11 -O2 -Wall -Wextra -Werror -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \
+         -mfpu=fpv4-sp-d16 --specs=rdimon.specs -Wl,--gc-sections -Iinclude -T examples/cortex-m/mps2.ld \
+         -DMODEL=\"models/capsule.crom\" examples/cortex-m/start.c examples/model.S",
+    )
+    .current_dir(package)
+    .arg(root().join("tests/budgets/budgets.c"))
+    .args(["lib/libcapsule.a", "-o"])
+    .arg(&program))?;
+    output(
+        command(
+            "qemu-system-arm -M mps2-an386 -cpu cortex-m4 -icount shift=6 -display none -serial none -monitor none \
+             -semihosting-config enable=on,target=native -kernel",
+        )
+        .arg(&program),
+    )
+}
+
+/// Bytes of code that a program with every function of the interface links. It does not link if one can panic.
+fn text(package: &Path) -> Result<u64> {
+    let program = target_directory().join("interface.elf");
+    let header = std::fs::read_to_string(header::path())?;
+    let mut link = command_in(package, "arm-none-eabi-ld --gc-sections -Ttext=0");
+    for name in header::functions(&header) {
+        link.arg(format!("--undefined={}{name}", header::VERSIONED));
+    }
+    run(link
+        .arg(format!("--entry={}open", header::VERSIONED))
+        .args(["lib/libcapsule.a", "-o"])
+        .arg(&program))?;
+    let sizes = output(command("arm-none-eabi-size -A").arg(&program))?;
+    sizes
+        .lines()
+        .find_map(|line| line.strip_prefix(".text"))
+        .and_then(|rest| rest.split_whitespace().next())
+        .and_then(|bytes| bytes.parse().ok())
+        .ok_or_else(|| anyhow!("no .text in:\n{sizes}"))
+}
+
+/// The interface as a WebAssembly module.
+fn module() -> Result<PathBuf> {
+    setup::rust_target(wasm::TARGET)?;
+    run(&mut command(&format!(
+        "cargo rustc --quiet --package capsule-capi --crate-type cdylib --features standalone --profile embedded \
+         --target {} -- -C strip=symbols",
+        wasm::TARGET
+    )))?;
+    Ok(target_directory()
+        .join(wasm::TARGET)
+        .join("embedded/capsule_capi.wasm"))
+}
+
+/// The compilers that counts depend on.
+fn compilers() -> Result<String> {
+    let rust = output(&mut command("rustc --version"))?;
+    let c = output(&mut command("arm-none-eabi-gcc -dumpfullversion"))?;
+    Ok(format!("{}, arm-none-eabi-gcc {}", rust.trim(), c.trim()))
+}
+
+fn record_path() -> PathBuf {
+    root().join("tests/budgets/recorded.json")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rise_is_told_with_both_numbers() {
+        let recorded = json!({ "a": 1000, "b": 1000 });
+        let figures = json!({ "a": 1019, "b": 1021, "model_bytes": 7 });
+        let told = risen(&recorded, figures.as_object().unwrap());
+        assert_eq!(told, ["b: 1000 recorded, 1021 measured"]);
+    }
+}
