@@ -1,4 +1,4 @@
-//! Tells the linker where memory.x is and the compiler which model to put into the board's memory: the file that the environment
+//! Writes memory.x for the linker, from mps2.x, and tells the compiler which model to put into the board's memory: the file that the environment
 //! variable CAPSULE_MODEL names, or the shipped one.
 
 use std::env;
@@ -10,10 +10,11 @@ const AN386: &str = "0x21000000";
 fn main() {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     // Where the external memory starts: CAPSULE_EXTERNAL for another board than AN386.
-    println!("cargo:rerun-if-changed=memory.x");
+    println!("cargo:rerun-if-changed=mps2.x");
     println!("cargo:rerun-if-env-changed=CAPSULE_EXTERNAL");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
-    let memory = std::fs::read_to_string(here.join("memory.x")).expect("memory.x");
+    // Not named memory.x itself: the linker would find that one first.
+    let memory = std::fs::read_to_string(here.join("mps2.x")).expect("mps2.x");
     let external = env::var("CAPSULE_EXTERNAL").unwrap_or_else(|_| AN386.to_owned());
     std::fs::write(out.join("memory.x"), memory.replace(AN386, &external)).expect("a file can be written");
     println!("cargo:rustc-link-search={}", out.display());

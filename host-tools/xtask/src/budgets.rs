@@ -154,9 +154,7 @@ fn module() -> Result<PathBuf> {
          --target {} -- -C strip=symbols",
         wasm::TARGET
     )))?;
-    Ok(target_directory()
-        .join(wasm::TARGET)
-        .join("embedded/capsule_capi.wasm"))
+    Ok(target_directory().join(wasm::TARGET).join("embedded/capsule_capi.wasm"))
 }
 
 /// The compilers that counts depend on.
