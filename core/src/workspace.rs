@@ -62,8 +62,8 @@ impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M,
         }
     }
 
-    /// Forgets what belongs to a query.
-    pub(crate) fn forget(&mut self) {
+    /// Forgets what belongs to a query: the next one is computed anew, whatever the storage holds.
+    pub fn forget(&mut self) {
         self.prepared = None;
         self.displacement.t = None;
         self.velocity.t = None;

@@ -8,7 +8,7 @@
 
 use crate::error::{Error, figure};
 use crate::memory::{Buffer, Bytes, apart};
-use crate::opaque::{CoreWorkspace, MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
+use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
 use capsule_core::{Evaluator, Nodes, Scene};
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: 
         let workspace = object(workspace, size)?;
         apart_from(error, &[workspace.bytes()])?;
         // SAFETY: the caller keeps what the module says.
-        unsafe { workspace.set_up(CoreWorkspace::new()) };
+        unsafe { workspace.empty() };
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.

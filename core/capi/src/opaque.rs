@@ -68,6 +68,23 @@ impl Opaque for Workspace {
     const MISSING: Status = Status::NoWorkspace;
 }
 
+impl Buffer<Workspace> {
+    /// Makes an empty workspace where it lies: one on the stack would be larger than the stack of a microcontroller.
+    ///
+    /// # Safety
+    /// The caller of the interface promised that nobody else uses the memory.
+    pub(crate) unsafe fn empty(self) {
+        let place = self.tagged();
+        // SAFETY: aligned, and large enough. A workspace holds numbers, truth values and enums whose first variant is 0:
+        // zeros are valid for it, and `forget` lets nothing be read of them before it is written.
+        unsafe {
+            place.write_bytes(0, 1);
+            (*place.as_ptr()).content.forget();
+            (*place.as_ptr()).tag = Workspace::TAG;
+        }
+    }
+}
+
 impl<O: Opaque> Buffer<O> {
     const FITS: () = assert!(
         size_of::<Tagged<O::Content>>() <= size_of::<O>() && align_of::<Tagged<O::Content>>() <= align_of::<O>(),

@@ -38,6 +38,7 @@ impl<'a> Plane<'a> {
 
     /// Whether the border lies between two pairs of parameters.
     pub(super) fn apart<T: Real>(&self, a: [T; 2], b: [T; 2]) -> bool {
-        matches!((self.border.below(a), self.border.below(b)), (Some(a), Some(b)) if a != b)
+        let other = |side| self.border.below(b).is_some_and(|other| side != other);
+        self.border.below(a).is_some_and(other)
     }
 }

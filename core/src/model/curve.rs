@@ -18,12 +18,16 @@ impl<'a> Curve<'a> {
         [0, 1].map(|column| T::from_f32(self.0.get(row, column)))
     }
 
+    fn abscissa<T: Real>(&self, row: usize) -> T {
+        T::from_f32(self.0.get(row, 0))
+    }
+
     /// The capillary number at a confinement, constant beyond the ends; none if there is no point.
     pub fn at<T: Real>(&self, confinement: T) -> Option<T> {
         let (mut low, mut high) = (0, self.0.rows().checked_sub(1)?);
         while high - low > 1 {
             let middle = (low + high) / 2;
-            let before = confinement < self.point::<T>(middle)[0];
+            let before = confinement < self.abscissa(middle);
             *(if before { &mut high } else { &mut low }) = middle;
         }
         let ([x0, y0], [x1, y1]) = (self.point(low), self.point(high));
@@ -39,10 +43,11 @@ impl<'a> Curve<'a> {
     /// Whether parameters (Ca, a/l) lie below the curve; none where it does not reach.
     pub fn below<T: Real>(&self, [capillary_number, confinement]: [T; 2]) -> Option<bool> {
         let last = self.0.rows().checked_sub(1)?;
-        let reaches = confinement >= self.point(0)[0] && confinement <= self.point(last)[0];
-        self.at(confinement)
-            .filter(|_| reaches)
-            .map(|border| capillary_number < border)
+        let reaches = confinement >= self.abscissa(0) && confinement <= self.abscissa(last);
+        if !reaches {
+            return None;
+        }
+        self.at(confinement).map(|border| capillary_number < border)
     }
 }
 
