@@ -86,7 +86,8 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         mut snapshot: impl FnMut(usize, &mut [T; M], &mut [T; M]),
     ) -> [T; M] {
         let interval = times.interval(t);
-        let [start, end] = [interval, interval + 1].map(|instant| self.hold(instant, &mut snapshot));
+        // Taken modulo the number of slots, which a slot is below: then no panic is linked.
+        let [start, end] = [interval, interval + 1].map(|instant| self.hold(instant, &mut snapshot) % MOST);
         let before = times.get::<T>(interval);
         let length = times.get::<T>(interval + 1) - before;
         let s = (t - before) / length;
