@@ -86,18 +86,20 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         mut snapshot: impl FnMut(usize, &mut [T; M], &mut [T; M]),
     ) -> [T; M] {
         let interval = times.interval(t);
-        // Taken modulo the number of slots, which a slot is below: then no panic is linked.
-        let [start, end] = [interval, interval + 1].map(|instant| self.hold(instant, &mut snapshot) % MOST);
+        let start = self.hold(interval, &mut snapshot);
+        let end = self.hold(interval + 1, &mut snapshot);
         let before = times.get::<T>(interval);
         let length = times.get::<T>(interval + 1) - before;
         let s = (t - before) / length;
         let rest = T::ONE - s;
         let [to_start, to_end] = [rest * rest * s * length, -(s * s * rest * length)];
         let rise = s * s * (T::from_f32(3.0) - s - s);
+        // Slots are below their number; taken modulo it, no panic is linked.
+        let (a, xi_a) = (&self.alpha[start % MOST], &self.xi[start % MOST]);
+        let (b, xi_b) = (&self.alpha[end % MOST], &self.xi[end % MOST]);
         core::array::from_fn(|k| {
-            let [a, b] = [self.alpha[start][k], self.alpha[end][k]];
-            let rates = [start, end].map(|slot| dot(&q[k], &self.xi[slot]));
-            a + rise * (b - a) + to_start * rates[0] + to_end * rates[1]
+            let (rate_a, rate_b) = (dot(&q[k], xi_a), dot(&q[k], xi_b));
+            a[k] + rise * (b[k] - a[k]) + to_start * rate_a + to_end * rate_b
         })
     }
 
