@@ -102,11 +102,16 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
     fn judge(&self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         const LEAST: f64 = 1e-6;
         const GREATEST: f64 = 1e6;
-        const MOST_STEPS: f64 = 1e5;
+        const MOST_STEPS: f32 = 1e5;
         let end_time = f64::from(self.model.end_time());
         within("the capillary number", query.capillary_number, LEAST, GREATEST)?;
         within("the confinement", query.confinement, LEAST, GREATEST)?;
-        within("the step", query.step, end_time / MOST_STEPS, end_time)?;
+        within(
+            "the step",
+            query.step,
+            (self.model.end_time() / MOST_STEPS).into(),
+            end_time,
+        )?;
         let domain = self.model.domain(query.capillary_number, query.confinement);
         let [capillary_number, confinement] = [query.capillary_number, query.confinement].map(T::to_f64);
         match domain {

@@ -1,4 +1,4 @@
-//! The two scalars of the core. Only + - * / sqrt are used, so the same bits come out on every target.
+//! The two scalars of the core. Only + - * / sqrt and libm's exp are used, so the same bits come out on every target.
 
 use core::fmt::{Debug, Display};
 use core::iter::Sum;
@@ -39,6 +39,8 @@ pub trait Real:
     fn to_index(self) -> usize;
     /// The correctly rounded square root.
     fn sqrt(self) -> Self;
+    /// e to the power of the number.
+    fn exp(self) -> Self;
     /// Whether it is neither infinite nor a NaN.
     fn is_finite(self) -> bool;
 
@@ -61,7 +63,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($scalar:ident, $sqrt:path) => {
+    ($scalar:ident, $sqrt:path, $exp:path) => {
         impl Real for $scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -82,6 +84,9 @@ macro_rules! real {
             fn sqrt(self) -> Self {
                 $sqrt(self)
             }
+            fn exp(self) -> Self {
+                $exp(self)
+            }
             fn is_finite(self) -> bool {
                 $scalar::is_finite(self)
             }
@@ -89,5 +94,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::sqrtf);
-real!(f64, libm::sqrt);
+real!(f32, libm::sqrtf, libm::expf);
+real!(f64, libm::sqrt, libm::exp);

@@ -85,6 +85,9 @@ impl Real for Counted {
     fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
+    fn exp(self) -> Self {
+        Self(self.0.exp())
+    }
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }
