@@ -191,7 +191,7 @@ fn series<T: Real>(m: T, s: T) -> [T; 2] {
         value += factor * (half_square - power * s / next);
         slope += factor * (s - power);
         factor = -(factor * m) / next;
-        power = power * s;
+        power *= s;
         next += T::ONE;
     }
     [value, slope]
