@@ -95,6 +95,28 @@ pub enum DatabaseError {
         /// The shape it has.
         found: Vec<usize>,
     },
+    /// A path is neither a folder nor a file of a known kind.
+    #[error("{}: expected a .npz, .h5 or .hdf5 file, or a folder with parameters.csv", path.display())]
+    UnknownKind {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A text file does not hold what it should.
+    #[error("{}: {reason}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What was found and what was expected.
+        reason: String,
+    },
+    /// Two configurations have the same parameters.
+    #[error("`parameters`: rows {first} and {second} are the same; expected different ones")]
+    SameParameters {
+        /// The one.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
     /// An array has the wrong element type.
     #[error("{}: array `{name}` has elements of type {found}, expected {expected}", path.display())]
     WrongType {

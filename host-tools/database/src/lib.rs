@@ -1,4 +1,4 @@
-//! Snapshots of the full-order model on disk.
+//! Snapshots on disk: of the full-order model in a [`Database`], and other people's in a [`Collection`].
 //!
 //! A database is a directory:
 //!
@@ -16,6 +16,7 @@
 //! Lengths are in l (half the duct's side), velocities in V, times in l/V.
 
 mod atomic;
+pub mod collection;
 pub mod compact;
 mod database;
 mod description;
@@ -31,6 +32,7 @@ mod trajectory;
 pub mod vtu;
 
 pub use atomic::write as write_whole;
+pub use collection::Collection;
 pub use database::{Database, Entry};
 pub use description::{Description, Difference, Parameter};
 pub use error::DatabaseError;

@@ -1,15 +1,15 @@
-//! The membrane mesh: quadratic triangles, and the volume centroid of the body that they enclose.
+//! The membrane mesh: quadratic or flat triangles, and the volume centroid of the body that they enclose.
 
 use crate::DatabaseError;
 use crate::error::{finite, length};
 
-/// A closed surface mesh of quadratic triangles, in its reference state.
+/// A closed surface mesh of quadratic or of flat triangles, in its reference state.
 ///
 /// Node order of an element: corners 0 1 2, then the mid-edges of (0, 1), (1, 2), (2, 0), counter-clockwise from
-/// outside.
+/// outside. A flat triangle names its corners again in the place of mid-edges, see [`Mesh::is_flat`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Reference positions on the unit sphere; times a/l they are the stress-free state.
+    /// Reference positions; in a [`Database`](crate::Database) on the unit sphere, and times a/l the stress-free state.
     pub nodes: Vec<[f64; 3]>,
     /// Node indices of each element.
     pub elements: Vec<[u32; 6]>,
@@ -33,6 +33,12 @@ const QUADRATURE: [([f64; 3], f64); 3] = [
 ];
 
 impl Mesh {
+    /// Whether an element has no mid-edge nodes.
+    #[must_use]
+    pub fn is_flat(element: &[u32; 6]) -> bool {
+        element[0] == element[3]
+    }
+
     /// Checks that the mesh has nodes and elements, that they are finite, and that every element's nodes exist.
     ///
     /// # Errors
@@ -81,8 +87,8 @@ impl Mesh {
         length("node velocities", self.nodes.len(), velocities.len())?;
         let mut m = Moments::default();
         for element in &self.elements {
-            let x = element.map(|n| positions[n as usize]);
-            let v = element.map(|n| velocities[n as usize]);
+            let x = nodal(element, positions);
+            let v = nodal(element, velocities);
             for (orbit, weight) in QUADRATURE {
                 // The cyclic images of a point are distinct; a point with three different coordinates has their
                 // mirror images too.
@@ -98,6 +104,17 @@ impl Mesh {
         }
         Ok(m)
     }
+}
+
+/// The values at the six nodes of an element; halfway between the corners where it is flat.
+fn nodal(element: &[u32; 6], values: &[[f64; 3]]) -> [[f64; 3]; 6] {
+    let mut nodal = element.map(|n| values[n as usize]);
+    if Mesh::is_flat(element) {
+        for (middle, [a, b]) in [[0, 1], [1, 2], [2, 0]].into_iter().enumerate() {
+            nodal[3 + middle] = std::array::from_fn(|d| 0.5 * (nodal[a][d] + nodal[b][d]));
+        }
+    }
+    nodal
 }
 
 /// Volume, its first axial moment, and their rates of change.
@@ -218,6 +235,20 @@ pub(crate) mod tests {
         let exact = 4.0 / 3.0 * std::f64::consts::PI * 1.5 * 0.8 * 0.7;
         assert!((volume / exact - 1.0).abs() < 1e-4, "{volume} {exact}");
         assert!((centroid - 3.0).abs() < 1e-12, "{centroid}");
+    }
+
+    #[test]
+    fn flat_triangles_enclose_a_polyhedron() {
+        // A tetrahedron with its tip at (1, 0, 0) over the base x = 0: volume 1/6, centroid a quarter of the height up.
+        let nodes = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+        let flat = |[a, b, c]: [u32; 3]| [a, b, c, a, b, c];
+        let elements = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(flat).to_vec();
+        let mesh = Mesh { nodes, elements };
+        let (volume, centroid) = mesh.volume_and_centroid(&mesh.nodes).unwrap();
+        assert!(
+            (volume - 1.0 / 6.0).abs() < 1e-15 && (centroid - 0.25).abs() < 1e-15,
+            "{volume} {centroid}"
+        );
     }
 
     #[test]

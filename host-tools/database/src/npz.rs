@@ -123,6 +123,19 @@ impl Reader {
         }
     }
 
+    /// The names of all arrays.
+    pub(crate) fn names(&mut self) -> Result<Vec<String>, DatabaseError> {
+        self.archive.names().map_err(|error| DatabaseError::Corrupt {
+            path: self.path.clone(),
+            reason: error.to_string(),
+        })
+    }
+
+    /// The array `name` as it is.
+    pub(crate) fn by_name<T: ReadableElement>(&mut self, name: &str) -> Result<ArrayD<T>, ReadNpzError> {
+        self.archive.by_name(name)
+    }
+
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

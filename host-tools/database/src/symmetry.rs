@@ -38,8 +38,16 @@ impl Symmetry {
     /// Finds the operations of the square's group that map `nodes` onto themselves, and the sector they leave.
     #[must_use]
     pub fn detect(nodes: &[[f64; 3]]) -> Self {
+        Self::detect_where(nodes, |_, _| true)
+    }
+
+    /// As [`Symmetry::detect`], of the operations that `holds` accepts, which is given each with the node to which it
+    /// takes every node. Those accepted must form a group.
+    #[must_use]
+    pub fn detect_where(nodes: &[[f64; 3]], holds: impl Fn(u8, &[u32]) -> bool) -> Self {
         let finder = Finder::new(nodes);
-        let images: Vec<(u8, Vec<u32>)> = (0..8).filter_map(|g| Some((g, finder.images(g)?))).collect();
+        let images = (0..8).filter_map(|g| Some((g, finder.images(g)?)));
+        let images: Vec<(u8, Vec<u32>)> = images.filter(|(g, image)| *g == 0 || holds(*g, image)).collect();
         let mut origin = vec![0u32; nodes.len()];
         let mut operation = vec![0u8; nodes.len()];
         let mut sector = Vec::new();

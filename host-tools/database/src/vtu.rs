@@ -1,4 +1,4 @@
-//! Files for ParaView: one VTU an instant (quadratic triangles), and the PVD that strings them in time.
+//! Files for ParaView: one VTU an instant, and the PVD that strings them in time.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,9 @@ use crate::error::{finite, length};
 use crate::{DatabaseError, Mesh, atomic};
 
 /// VTK's cell type of a six-node triangle; its node order is that of [`Mesh::elements`].
-const QUADRATIC_TRIANGLE: u8 = 22;
+pub(crate) const QUADRATIC_TRIANGLE: u8 = 22;
+/// VTK's cell type of a flat triangle.
+pub(crate) const TRIANGLE: u8 = 5;
 
 /// A quantity at the nodes.
 #[derive(Debug, Clone, Copy)]
@@ -65,26 +67,25 @@ pub fn write(path: &Path, mesh: &Mesh, positions: &[[f64; 3]], data: &[PointData
     let coordinates = positions.as_flattened().iter().flat_map(|v| v.to_le_bytes());
     array(&mut text, "Float64", "positions", 3, coordinates);
     text += "</Points>\n<Cells>\n";
-    let connectivity = mesh
-        .elements
-        .as_flattened()
-        .iter()
-        .flat_map(|n| i64::from(*n).to_le_bytes());
+    let cells = || {
+        let cell = |element: &[u32; 6]| {
+            if Mesh::is_flat(element) {
+                (3, TRIANGLE)
+            } else {
+                (6, QUADRATIC_TRIANGLE)
+            }
+        };
+        mesh.elements.iter().map(move |element| (element, cell(element)))
+    };
+    let connectivity = cells().flat_map(|(element, (count, _))| &element[..count]);
+    let connectivity = connectivity.flat_map(|n| i64::from(*n).to_le_bytes());
     array(&mut text, "Int64", "connectivity", 1, connectivity);
-    array(
-        &mut text,
-        "Int64",
-        "offsets",
-        1,
-        (1..=elements as i64).flat_map(|e| (6 * e).to_le_bytes()),
-    );
-    array(
-        &mut text,
-        "UInt8",
-        "types",
-        1,
-        std::iter::repeat_n(QUADRATIC_TRIANGLE, elements),
-    );
+    let ends = cells().scan(0_i64, |end, (_, (count, _))| {
+        *end += count as i64;
+        Some(*end)
+    });
+    array(&mut text, "Int64", "offsets", 1, ends.flat_map(i64::to_le_bytes));
+    array(&mut text, "UInt8", "types", 1, cells().map(|(_, (_, kind))| kind));
     text += "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
     atomic::write(path, text.as_bytes())
 }
