@@ -98,8 +98,8 @@ pub enum OpenError {
         /// Full index of the node.
         node: usize,
     },
-    /// A needed outline is missing, or has fewer than three nodes.
-    MissingNodeSet {
+    /// An outline has fewer than three nodes.
+    ShortOutline {
         /// Its name.
         name: &'static str,
     },
@@ -171,7 +171,7 @@ impl Display for OpenError {
                     "sector node {index} is node {node}, which is not its own representative by operation 0"
                 )
             }
-            Self::MissingNodeSet { name } => write!(f, "the node set \"{name}\" is missing or has fewer than 3 nodes"),
+            Self::ShortOutline { name } => write!(f, "the node set \"{name}\" has fewer than 3 nodes"),
             Self::DuplicateSample { first, second } => {
                 write!(f, "samples {first} and {second} of a cluster have the same parameters")
             }
@@ -232,16 +232,37 @@ pub enum EvaluateError {
         /// Greatest value allowed.
         max: f64,
     },
-    /// The parameters lie outside the sampled ranges.
+    /// A query has not as many parameters as the model.
+    ParameterCount {
+        /// The model's.
+        expected: usize,
+        /// The query's.
+        found: usize,
+    },
+    /// A parameter that is not a number in the range that it can have at all.
+    Parameter {
+        /// Its name.
+        name: Name,
+        /// Its value.
+        value: f64,
+        /// Least value allowed.
+        min: f64,
+        /// Greatest value allowed.
+        max: f64,
+    },
+    /// A parameter lies outside its sampled range.
     OutsideDomain {
-        /// Ca.
-        capillary_number: f64,
-        /// a/l.
-        confinement: f64,
-        /// Sampled range of Ca.
-        capillary_range: [f64; 2],
-        /// Sampled range of a/l.
-        confinement_range: [f64; 2],
+        /// The parameter's name.
+        name: Name,
+        /// Its value.
+        value: f64,
+        /// Its sampled range.
+        range: [f64; 2],
+    },
+    /// The query lies farther from all samples than any sample from the others.
+    FarFromSamples {
+        /// How much farther, in units of the interpolation error's deviation.
+        ratio: f64,
     },
     /// No steady state exists at these parameters.
     BeyondSteadyLimit {
@@ -266,6 +287,8 @@ pub enum EvaluateError {
         /// Number of nodes.
         nodes: usize,
     },
+    /// The model does not know the stress-free state, from which the mechanics follows.
+    NoSphere,
     /// The nodes near one do not determine derivatives there: the mesh is too coarse.
     FewNodes {
         /// Its index.
@@ -298,20 +321,20 @@ impl Display for EvaluateError {
                 let [value, min, max] = [value, min, max].map(short);
                 write!(f, "{what} is {value}, it must be in [{min}, {max}]")
             }
-            Self::OutsideDomain {
-                capillary_number,
-                confinement,
-                capillary_range,
-                confinement_range,
-            } => write!(
+            Self::ParameterCount { expected, found } => {
+                write!(f, "the model has {expected} parameters, the query {found}")
+            }
+            Self::Parameter { name, value, min, max } => {
+                let [value, min, max] = [value, min, max].map(short);
+                write!(f, "{name} is {value}, it must be in [{min}, {max}]")
+            }
+            Self::OutsideDomain { name, value, range } => {
+                let [value, min, max] = [value, range[0], range[1]].map(short);
+                write!(f, "{name} = {value} lies outside its sampled range [{min}, {max}]")
+            }
+            Self::FarFromSamples { ratio } => write!(
                 f,
-                "Ca = {}, a/l = {} lies outside the sampled domain Ca in [{}, {}], a/l in [{}, {}]",
-                short(capillary_number),
-                short(confinement),
-                short(capillary_range[0]),
-                short(capillary_range[1]),
-                short(confinement_range[0]),
-                short(confinement_range[1])
+                "no sample is near: the interpolation is {ratio:.1} times as uncertain as at any sample that was left out"
             ),
             Self::BeyondSteadyLimit {
                 capillary_number,
@@ -331,6 +354,10 @@ impl Display for EvaluateError {
             ),
             Self::NotPrepared => write!(f, "an instant was asked for before a query was prepared"),
             Self::UnknownNode { node, nodes } => write!(f, "node {node} does not exist: the mesh has {nodes} nodes"),
+            Self::NoSphere => write!(
+                f,
+                "the mechanics of the membrane is known only where the stress-free state is a sphere of radius a/l"
+            ),
             Self::FewNodes { node } => write!(
                 f,
                 "the nodes around node {node} do not determine derivatives: the mesh is too coarse"
@@ -348,6 +375,53 @@ impl Display for EvaluateError {
 }
 
 impl Error for EvaluateError {}
+
+/// The name of a parameter, cut to what an error carries.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Name {
+    bytes: [u8; 32],
+    length: usize,
+}
+
+impl Name {
+    pub(crate) fn new(text: &str) -> Self {
+        let mut name = Self {
+            bytes: [0; 32],
+            length: 0,
+        };
+        for character in text.chars() {
+            let mut code = [0; 4];
+            let code = character.encode_utf8(&mut code).as_bytes();
+            let end = name.length + code.len();
+            let Some(place) = name.bytes.get_mut(name.length..end) else {
+                break;
+            };
+            place.copy_from_slice(code);
+            name.length = end;
+        }
+        name
+    }
+}
+
+impl Name {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        let text = self.bytes.get(..self.length).map(core::str::from_utf8);
+        text.and_then(core::result::Result::ok).unwrap_or_default()
+    }
+}
+
+impl Display for Name {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl core::fmt::Debug for Name {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "\"{self}\"")
+    }
+}
 
 /// The digits that single precision has: a query in f32 shall not be told Ca = 0.09000000357627869.
 fn short(value: f64) -> f32 {

@@ -1,18 +1,18 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
-use crate::error::EvaluateError;
+use crate::error::{EvaluateError, Name};
 use crate::expected_error::expected_error;
-use crate::interpolate::{Plane, RIDGE_ROWS, Weights};
+use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::mechanics::Membrane;
-use crate::model::wire::Cluster;
+use crate::model::wire::{Cluster, MAX_PARAMETERS, Reference};
 use crate::model::{MatrixView, Model};
 use crate::motion::Motion;
 use crate::observables::{Extremes, Observables, axial_radial};
 use crate::reconstruct::{Snapshot, room};
 use crate::surface::volume;
 use crate::workspace::{Coefficients, Prepared, Workspace};
-use crate::{Domain, Frame, Method, Query, Real, Scene};
+use crate::{Domain, Frame, Method, Parameters, Query, Real, Scene};
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         fits(
             "neighbours of the diffuse approximation",
             contents.paper.neighbours.into(),
-            N - RIDGE_ROWS,
+            N.saturating_sub(ridge_rows(contents.metadata.parameters.len())),
         )?;
         fits("local displacement modes", contents.paper.displacement_rank.into(), M)?;
         fits("local velocity modes", contents.paper.velocity_rank.into(), M)?;
@@ -55,8 +55,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
     /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie.
     ///
     /// # Errors
-    /// Parameters that are not positive and finite, or outside the domain without `extrapolate`; a step that is not in
-    /// its range.
+    /// Parameters that are not as many as the model's or not finite (Ca and a/l: not positive), or outside the domain
+    /// without `extrapolate`; a step that is not in its range.
     pub fn prepare(&mut self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         let digest = self.model.digest();
         if let Some(Prepared { domain, .. }) = self
@@ -66,23 +66,28 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         {
             return Ok(domain);
         }
-        let domain = self.judge(query)?;
+        let mut domain = self.judge(query)?;
         let workspace = &mut *self.workspace;
         workspace.forget();
         let contents = self.model.contents();
-        let Some(cluster) = self.model.cluster(query.confinement) else {
+        let Some(cluster) = self.model.cluster(&query.parameters) else {
             return Err(EvaluateError::NotPrepared);
         };
-        let samples = MatrixView::new(&cluster.samples).pairs();
-        let parameters = [query.capillary_number, query.confinement];
-        let plane = Plane::new(contents);
+        let parameters = &query.parameters;
+        let samples = MatrixView::new(&cluster.samples)
+            .rows_of::<T, MAX_PARAMETERS>()
+            .map(Parameters::from);
+        let coordinates = Coordinates::new(contents);
         workspace.weights = match query.method {
             Method::Direct => {
                 let scratch = workspace.scratch.as_flattened_mut();
-                Weights::kernel(&contents.kernel, &plane, samples, parameters, None, scratch)?
+                Weights::kernel(&contents.kernel, &coordinates, samples, parameters, None, scratch)?
             }
-            Method::Paper => Weights::diffuse(&contents.paper, &plane, samples, parameters, None)?,
+            Method::Paper => Weights::diffuse(&contents.paper, &coordinates, samples, parameters, None)?,
         };
+        if domain == Domain::Inside && contents.steady_limit.rows == 0 {
+            domain = reach(cluster, query, &workspace.weights)?;
+        }
         for (field, psi) in [&cluster.displacement, &cluster.velocity]
             .into_iter()
             .zip(&mut workspace.psi)
@@ -104,41 +109,54 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         const GREATEST: f64 = 1e6;
         const MOST_STEPS: f32 = 1e5;
         let end_time = f64::from(self.model.end_time());
-        within("the capillary number", query.capillary_number, LEAST, GREATEST)?;
-        within("the confinement", query.confinement, LEAST, GREATEST)?;
-        within(
-            "the step",
-            query.step,
-            (self.model.end_time() / MOST_STEPS).into(),
-            end_time,
-        )?;
-        let domain = self.model.domain(query.capillary_number, query.confinement);
-        let [capillary_number, confinement] = [query.capillary_number, query.confinement].map(T::to_f64);
-        match domain {
-            Domain::Outside if !query.extrapolate => {
-                let [capillary_range, confinement_range] = self
-                    .model
-                    .contents()
-                    .metadata
-                    .parameters
-                    .map(|range| [range.min, range.max]);
-                Err(EvaluateError::OutsideDomain {
-                    capillary_number,
-                    confinement,
-                    capillary_range,
-                    confinement_range,
-                })
-            }
-            Domain::BeyondSteadyLimit if !query.extrapolate => {
-                let limit = self.model.steady_limit(query.confinement).to_f64();
-                Err(EvaluateError::BeyondSteadyLimit {
-                    capillary_number,
-                    confinement,
-                    limit,
-                })
-            }
-            domain => Ok(domain),
+        let contents = self.model.contents();
+        let ranges = &contents.metadata.parameters;
+        let values = query.parameters.as_slice();
+        if values.len() != ranges.len() {
+            return Err(EvaluateError::ParameterCount {
+                expected: ranges.len(),
+                found: values.len(),
+            });
         }
+        let least = match contents.mesh.reference {
+            Reference::Sphere => LEAST,
+            Reference::Shape { .. } => -GREATEST,
+        };
+        for (value, range) in values.iter().zip(ranges) {
+            let (value, name) = (value.to_f64(), Name::new(range.name));
+            if !(least <= value && value <= GREATEST) {
+                return Err(EvaluateError::Parameter {
+                    name,
+                    value,
+                    min: least,
+                    max: GREATEST,
+                });
+            }
+        }
+        if let Some(step) = query.step {
+            within("the step", step, (self.model.end_time() / MOST_STEPS).into(), end_time)?;
+        }
+        let domain = self.model.domain(query.parameters);
+        if query.extrapolate {
+            return Ok(domain);
+        }
+        let outside = self.model.outside(&query.parameters);
+        if let Some((range, value)) = outside.and_then(|index| Some((ranges.get(index)?, values.get(index)?))) {
+            return Err(EvaluateError::OutsideDomain {
+                name: Name::new(range.name),
+                value: value.to_f64(),
+                range: [range.min, range.max],
+            });
+        }
+        if domain == Domain::BeyondSteadyLimit {
+            let [capillary_number, confinement] = query.parameters.array().map(T::to_f64);
+            return Err(EvaluateError::BeyondSteadyLimit {
+                capillary_number,
+                confinement,
+                limit: self.model.steady_limit(confinement).unwrap_or_default(),
+            });
+        }
+        Ok(domain)
     }
 
     /// Goes to the instant `t` in [0, T], in l/V, of the prepared query. Costs nothing until something is asked of it.
@@ -162,7 +180,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         let query = prepared.ok_or(EvaluateError::NotPrepared)?.query;
         let cluster = self
             .model
-            .cluster(query.confinement)
+            .cluster(&query.parameters)
             .ok_or(EvaluateError::NotPrepared)?;
         Ok(Instant {
             model: self.model,
@@ -195,7 +213,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// done: for callers who must not be kept. A piece is a snapshot or a row of a local basis, or a step in time of
     /// [`Method::Paper`]; [`Method::Direct`] has no such work. Another instant may be asked for in between.
     pub fn advance(&mut self, pieces: usize) -> bool {
-        let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
+        let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
         let Workspace {
             psi, dynamics, scratch, ..
         } = &mut *self.workspace;
@@ -227,7 +245,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         coefficient / self.root_of_nodes()
     }
 
-    /// Lengths and velocity; reconstructs the nodes of the two outlines only.
+    /// Lengths and velocity; reconstructs the nodes of the two outlines only. Where the model has no outlines, it takes
+    /// all nodes.
     ///
     /// # Errors
     /// [`EvaluateError::NotFinite`].
@@ -248,7 +267,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         })
     }
 
-    /// Volume enclosed by the P2 surface, in l^3; reconstructs a quarter of the surface.
+    /// Volume enclosed by the surface, in l^3; reconstructs a quarter of the surface where that is enough.
     ///
     /// # Errors
     /// [`EvaluateError::NotFinite`].
@@ -308,17 +327,17 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// centroid's frame.
     ///
     /// # Errors
+    /// [`EvaluateError::NoSphere`] for a model whose stress-free state is not known;
     /// [`EvaluateError::BufferTooShort`]; [`EvaluateError::NotFinite`].
     pub fn membrane<'s>(&mut self, sector: &'s mut [[T; 3]]) -> Result<Membrane<'a, 's, T>, EvaluateError> {
+        if !matches!(self.model.contents().mesh.reference, Reference::Sphere) {
+            return Err(EvaluateError::NoSphere);
+        }
         let mesh = self.model.mesh();
         let sector = room(sector, mesh.sector_nodes().len())?;
         self.shape(Frame::Centroid).fill_sector(sector)?;
-        Ok(Membrane::new(
-            mesh,
-            sector,
-            self.query.confinement,
-            self.query.capillary_number,
-        ))
+        let [capillary_number, confinement] = self.query.parameters.array();
+        Ok(Membrane::new(mesh, sector, confinement, capillary_number))
     }
 
     /// Expected modified Hausdorff distance to the truth in the laboratory frame, as a fraction of a.
@@ -337,9 +356,15 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         T::from_index(self.model.mesh().nodes()).sqrt()
     }
 
+    /// The step of [`Method::Paper`].
+    fn step(&self) -> T {
+        let share = || T::from_f32(self.model.end_time()) / T::from_f32(1000.0);
+        self.query.step.unwrap_or_else(share)
+    }
+
     /// Brings the displacement's coefficients to this instant.
     fn displacement(&mut self) {
-        let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
+        let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
         let cluster = self.cluster;
         let Workspace {
             displacement: Coefficients { t: computed, values },
@@ -362,7 +387,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
 
     /// Brings the velocity's coefficients to this instant.
     fn velocity(&mut self) {
-        let (t, step, paper) = (self.t, self.query.step, &self.model.contents().paper);
+        let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
         let cluster = self.cluster;
         let Workspace {
             velocity: Coefficients { t: computed, values },
@@ -397,9 +422,34 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             mesh: self.model.mesh(),
             modes,
             coefficients,
-            scale: self.query.confinement,
+            scale: self.model.scale(&self.query.parameters),
             translation,
         }
+    }
+}
+
+/// Whether the samples reach a query within their ranges. Each sample, left out, was farther from the others than the
+/// query may be; beyond the greatest of these distances no leave-one-out error says what to expect.
+fn reach<T: Real, const N: usize>(
+    cluster: &Cluster<'_>,
+    query: &Query<T>,
+    weights: &Weights<T, N>,
+) -> Result<Domain, EvaluateError> {
+    let errors = match query.method {
+        Method::Direct => &cluster.direct_errors,
+        Method::Paper => &cluster.paper_errors,
+    };
+    let deviations = MatrixView::new(&errors.deviation);
+    let greatest = (0..deviations.rows()).map(|j| deviations.get(j, 0)).fold(0.0, f32::max);
+    let deviation = weights.deviation();
+    if deviation <= T::from_f32(greatest) {
+        Ok(Domain::Inside)
+    } else if query.extrapolate {
+        Ok(Domain::FarFromSamples)
+    } else {
+        Err(EvaluateError::FarFromSamples {
+            ratio: deviation.to_f64() / f64::from(greatest),
+        })
     }
 }
 

@@ -11,7 +11,7 @@
 //! let model = Model::open(&file)?;
 //! let mut workspace = Workspace::<f32>::new();
 //! let mut evaluator = Evaluator::new(&model, &mut workspace)?;
-//! evaluator.prepare(&Query::new(0.10, 0.90, Method::Direct))?;
+//! evaluator.prepare(&Query::new([0.10, 0.90], Method::Direct))?;
 //! let mut instant = evaluator.at(3.0)?;
 //! println!("{:?}, expected error {}", instant.observables()?, instant.expected_error());
 //! # Ok(())
@@ -49,7 +49,7 @@ pub use error::{EncodeError, EvaluateError, OpenError};
 pub use evaluator::{Evaluator, Instant};
 pub use model::{DIAGONAL, MIDPLANE, Model};
 pub use observables::Observables;
-pub use query::{Domain, Method, Query};
+pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};
 pub use section::{Segment, section};

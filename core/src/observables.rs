@@ -2,12 +2,14 @@
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::model::Model;
-use crate::model::{DIAGONAL, MIDPLANE};
+use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
 use crate::reconstruct::Snapshot;
 
-/// Scalars of an instant, lengths in l, velocity in V; the lengths from the two section outlines. Extremes are those
-/// of the parabola through the extreme node of an outline and its two neighbours, the nodes taken as equidistant.
+/// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are from the two section
+/// outlines; extremes are those of the parabola through the extreme node of an outline and its two neighbours, the nodes
+/// taken as equidistant. A model without outlines has the extents of its nodes: half the extent along y for the half width, half
+/// the extent along the direction y = z for the half diagonal, and for the rear pole the point at which the parallel to
+/// the axis through the middle of the extents enters the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observables<T> {
     /// max x - min x over both outlines.
@@ -34,10 +36,13 @@ pub(crate) struct Extremes<T> {
 }
 
 impl<T: Real> Extremes<T> {
-    /// Reconstructs the nodes of the outlines, one at a time.
+    /// Reconstructs the nodes of the outlines, or all, one at a time.
     pub(crate) fn new(model: &Model<'_>, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
-        let midplane = Outline::new(model, snapshot, MIDPLANE)?;
-        let diagonal = Outline::new(model, snapshot, DIAGONAL)?;
+        let (Some(midplane), Some(diagonal)) = (model.node_set(MIDPLANE), model.node_set(DIAGONAL)) else {
+            return Self::of_all(snapshot);
+        };
+        let midplane = Outline::new(midplane, snapshot)?;
+        let diagonal = Outline::new(diagonal, snapshot)?;
         Ok(Self {
             front: midplane.front.value().max(diagonal.front.value()),
             rear: -midplane.rear.value().max(diagonal.rear.value()),
@@ -46,6 +51,57 @@ impl<T: Real> Extremes<T> {
             half_diagonal: diagonal.width.value(),
         })
     }
+
+    /// From all nodes of a mesh that has no outlines.
+    fn of_all(snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
+        let mesh = &snapshot.mesh;
+        let half = T::from_f32(0.5);
+        // Along x, y, z and (y + z) / sqrt 2.
+        let mut extents: Option<[[T; 2]; 4]> = None;
+        for node in 0..mesh.nodes() {
+            let [x, y, z] = snapshot.node(node)?;
+            let values = [x, y, z, (y + z) * half.sqrt()];
+            let known = extents.get_or_insert(values.map(|value| [value; 2]));
+            for ([least, greatest], value) in known.iter_mut().zip(values) {
+                (*least, *greatest) = (least.min(value), greatest.max(value));
+            }
+        }
+        let [[rear, front], y, z, diagonal] = extents.unwrap_or([[T::ZERO; 2]; 4]);
+        let middle = [y, z].map(|[least, greatest]| half * (least + greatest));
+        let mut rear_pole = None;
+        for element in mesh.elements() {
+            for part in mesh.flat_parts() {
+                let [a, b, c] = part.map(|corner| snapshot.node(element[corner].into()));
+                if let Some(x) = axial_crossing([a?, b?, c?], middle) {
+                    rear_pole = Some(rear_pole.map_or(x, |known: T| known.min(x)));
+                }
+            }
+        }
+        let half_extent = |[least, greatest]: [T; 2]| half * (greatest - least);
+        Ok(Self {
+            front,
+            rear,
+            rear_pole: rear_pole.unwrap_or(rear),
+            half_width: half_extent(y),
+            half_diagonal: half_extent(diagonal),
+        })
+    }
+}
+
+/// x at which the parallel to the axis through (y, z) meets a flat triangle.
+fn axial_crossing<T: Real>(corners: [[T; 3]; 3], [y, z]: [T; 2]) -> Option<T> {
+    let [[_, ya, za], [_, yb, zb], [_, yc, zc]] = corners;
+    let double_area = |[p, q]: [T; 2], [r, s]: [T; 2], [t, u]: [T; 2]| (r - p) * (u - q) - (t - p) * (s - q);
+    let (point, a, b, c) = ([y, z], [ya, za], [yb, zb], [yc, zc]);
+    let shares = [
+        double_area(point, b, c),
+        double_area(a, point, c),
+        double_area(a, b, point),
+    ];
+    let whole = shares.iter().copied().sum::<T>();
+    let inside = shares.iter().all(|share| *share >= T::ZERO) || shares.iter().all(|share| *share <= T::ZERO);
+    let x = shares.iter().zip(corners).map(|(share, [x, ..])| *share * x).sum::<T>() / whole;
+    (inside && x.is_finite()).then_some(x)
 }
 
 struct Outline<T> {
@@ -56,8 +112,7 @@ struct Outline<T> {
 }
 
 impl<T: Real> Outline<T> {
-    fn new(model: &Model<'_>, snapshot: &Snapshot<'_, '_, T>, name: &str) -> Result<Self, EvaluateError> {
-        let nodes = model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
+    fn new(nodes: Indices<'_>, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let mut outline = Self {
             front: Greatest::NONE,
             rear: Greatest::NONE,

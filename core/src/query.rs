@@ -1,43 +1,87 @@
 //! What is asked: parameters, method, and whether extrapolation is wanted.
 
 use crate::Real;
-pub use crate::model::wire::Method;
+pub use crate::model::wire::{MAX_PARAMETERS, Method};
 
-/// A question to the model.
+/// The parameters of a query or of a sample, in the order of the model's: (Ca, a/l) for a capsule in the channel, one to
+/// [`MAX_PARAMETERS`] numbers of other meaning for other models.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Query<T> {
-    /// Ca = mu V / G_s, > 0.
-    pub capillary_number: T,
-    /// a/l, > 0.
-    pub confinement: T,
-    /// How the answer is computed.
-    pub method: Method,
-    /// Answer outside the sampled domain too, instead of with an error.
-    pub extrapolate: bool,
-    /// Step of [`Method::Paper`] in l/V, > 0.
-    pub step: T,
+pub struct Parameters<T> {
+    values: [T; MAX_PARAMETERS],
+    count: usize,
 }
 
-impl<T: Real> Query<T> {
-    /// A query within the domain, with the step 0.02 l/V.
-    pub fn new(capillary_number: T, confinement: T, method: Method) -> Self {
+impl<T: Real> Parameters<T> {
+    /// The parameters in a slice; none unless there are one to [`MAX_PARAMETERS`].
+    pub fn new(values: &[T]) -> Option<Self> {
+        let mut parameters = Self {
+            values: [T::ZERO; MAX_PARAMETERS],
+            count: values.len(),
+        };
+        parameters.values.get_mut(..values.len())?.copy_from_slice(values);
+        (!values.is_empty()).then_some(parameters)
+    }
+
+    /// The numbers.
+    pub fn as_slice(&self) -> &[T] {
+        self.values.get(..self.count).unwrap_or_default()
+    }
+
+    /// Parameter number `index`, 0 beyond the last.
+    pub fn get(&self, index: usize) -> T {
+        self.values.get(index).copied().unwrap_or(T::ZERO)
+    }
+
+    /// The first `P` of them, with zeros beyond the last.
+    pub(crate) fn array<const P: usize>(&self) -> [T; P] {
+        core::array::from_fn(|index| self.get(index))
+    }
+}
+
+impl<T: Real, const P: usize> From<[T; P]> for Parameters<T> {
+    fn from(values: [T; P]) -> Self {
+        const { assert!(P >= 1 && P <= MAX_PARAMETERS, "one to four parameters") };
         Self {
-            capillary_number,
-            confinement,
-            method,
-            extrapolate: false,
-            step: T::from_f32(0.02),
+            values: core::array::from_fn(|index| values.get(index).copied().unwrap_or(T::ZERO)),
+            count: P,
         }
     }
 }
 
-/// Where a pair of parameters lies.
+/// A question to the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Query<T> {
+    /// As many as the model has.
+    pub parameters: Parameters<T>,
+    /// How the answer is computed.
+    pub method: Method,
+    /// Answer outside the sampled domain too, instead of with an error.
+    pub extrapolate: bool,
+    /// Step of [`Method::Paper`], > 0, in the model's unit of time; a thousandth of its end time if none is given.
+    pub step: Option<T>,
+}
+
+impl<T: Real> Query<T> {
+    /// A query within the domain.
+    pub fn new(parameters: impl Into<Parameters<T>>, method: Method) -> Self {
+        Self {
+            parameters: parameters.into(),
+            method,
+            extrapolate: false,
+            step: None,
+        }
+    }
+}
+
+/// Where parameters lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
-    /// Within the sampled ranges and below the steady limit.
+    /// Within the sampled ranges and below the steady limit, where there is one.
     Inside,
     /// Within the sampled ranges, at a Ca that has no steady state.
     BeyondSteadyLimit,
+    /// Within the ranges of scattered samples, but farther from the samples than any of them is from the others.
+    FarFromSamples,
     /// Outside the sampled ranges.
     Outside,
 }

@@ -8,10 +8,7 @@ use crate::model::Mesh;
 /// to the second, seen from the front (from larger x).
 pub type Segment<T> = [[T; 2]; 2];
 
-/// Corners of the four flat triangles of a P2 element.
-const PARTS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-
-/// Cuts a surface by the plane at `x`, element by element as four flat triangles, into the first entries of `out`;
+/// Cuts a surface by the plane at `x`, element by element as four flat triangles (or one), into the first entries of `out`;
 /// returns how many segments there are, at most four an element. They form closed curves, in no order; a shared point
 /// has the same bits in both its segments. `positions` are those of all nodes.
 ///
@@ -31,7 +28,7 @@ pub fn section<T: Real>(
     }
     let mut count = 0;
     for element in mesh.elements() {
-        for part in PARTS {
+        for part in mesh.flat_parts() {
             let corners = part.map(|corner| usize::from(element[corner]));
             if let Some(segment) = cut(corners, positions, x) {
                 if let Some(out) = out.get_mut(count) {

@@ -1,4 +1,4 @@
-//! Integrals over the six-node elements of the surface.
+//! Integrals over the elements of the surface.
 
 use crate::Real;
 use crate::error::EvaluateError;
@@ -14,7 +14,7 @@ const QUADRATURE: [(f64, f64); 2] = [
 /// A quadrature point of an element.
 pub(crate) struct Point<T> {
     pub(crate) weight: T,
-    /// The shape functions of the six nodes.
+    /// The shape functions of the six nodes; those of a flat triangle's missing mid-edges are 0.
     pub(crate) shape: [T; 6],
     /// Their derivatives by the barycentric coordinates l1 and l2, with l0 = 1 - l1 - l2.
     pub(crate) gradient: [[T; 6]; 2],
@@ -51,6 +51,25 @@ impl<T: Real> Point<T> {
                     four * (l0 - l2),
                 ],
             ],
+        }
+    }
+
+    /// The same point of a flat triangle.
+    fn flat(self) -> Self {
+        let [zero, one] = [T::ZERO, T::ONE];
+        let [a, b, c, ab, bc, ca] = self.shape;
+        let half = T::from_f32(0.5);
+        Self {
+            weight: self.weight,
+            shape: [
+                a + half * (ab + ca),
+                b + half * (ab + bc),
+                c + half * (bc + ca),
+                zero,
+                zero,
+                zero,
+            ],
+            gradient: [[-one, one, zero, zero, zero, zero], [-one, zero, one, zero, zero, zero]],
         }
     }
 
@@ -97,7 +116,10 @@ pub(crate) fn integrate<T: Real, V>(
     node: impl Fn(usize) -> Result<V, EvaluateError>,
     integrand: impl Fn(&Point<T>, &[V; 6]) -> T,
 ) -> Result<T, EvaluateError> {
-    let points = Point::all();
+    let mut points = Point::all();
+    if mesh.element_nodes() == 3 {
+        points = points.map(Point::flat);
+    }
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
     let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()
         && (0..mesh.nodes()).all(|node| mirrored_from_quarter(mesh, node));

@@ -19,7 +19,9 @@ fn errors<T: Real>(family: &Family, t: f64) -> [f64; 2] {
     for parameters in QUERIES {
         let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
         let [ca, confinement] = parameters.map(T::from_f64);
-        evaluator.prepare(&Query::new(ca, confinement, Method::Direct)).unwrap();
+        evaluator
+            .prepare(&Query::new([ca, confinement], Method::Direct))
+            .unwrap();
         let mut instant = evaluator.at(T::from_f64(t)).unwrap();
         let mut found = vec![[T::ZERO; 3]; family.nodes()];
         let exact = family.exact(parameters, t);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use capsule_core::model::wire::{Blob, Contents, Matrix};
+use capsule_core::model::wire::{Blob, Contents, Matrix, Reference};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
 use common::{Arena, Family, write};
@@ -22,7 +22,7 @@ fn what_was_written_is_read_in_place() {
     assert_eq!(model.digest(), u32::from_le_bytes(file[12..16].try_into().unwrap()));
     assert_eq!(model.end_time(), 4.0);
     for (confinement, limit) in [(0.5_f64, 0.14), (0.825, 0.135), (1.05, 0.09), (2.0, 0.05)] {
-        assert!((model.steady_limit(confinement) - limit).abs() < 1e-7);
+        assert!((model.steady_limit(confinement).unwrap() - limit).abs() < 1e-7);
     }
 
     let read = model.contents();
@@ -62,7 +62,7 @@ fn alignment_does_not_change_a_bit() {
         let model = Model::open(bytes).unwrap();
         let mut workspace = Workspace::<f32>::new();
         let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-        evaluator.prepare(&Query::new(0.033, 0.87, Method::Paper)).unwrap();
+        evaluator.prepare(&Query::new([0.033, 0.87], Method::Paper)).unwrap();
         evaluator.at(0.77).unwrap().observables().unwrap()
     };
     let expected = answer(&file);
@@ -113,10 +113,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 3);
-    assert_eq!(newer, OpenError::Version { found: 3, supported: 2 });
+    let newer = open(&|file| file[4] = 4);
+    assert_eq!(newer, OpenError::Version { found: 4, supported: 3 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 2 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 3 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -125,7 +125,7 @@ fn a_damaged_header_is_refused() {
 /// Puts a right header before a payload.
 fn with_header(payload: &[u8]) -> Vec<u8> {
     let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
-    let words = [u32::from_le_bytes(*b"CROM"), 2, payload.len() as u32, checksum];
+    let words = [u32::from_le_bytes(*b"CROM"), 3, payload.len() as u32, checksum];
     words
         .into_iter()
         .flat_map(u32::to_le_bytes)
@@ -276,26 +276,29 @@ fn wrong_indices_sets_and_settings_are_refused() {
     let wrong = refused(|c| c.mesh.sector_nodes = set(&c.mesh.sector_nodes, 2, c.mesh.sector_nodes.data[0]));
     assert!(matches!(wrong, OpenError::SectorNode { index: 1, .. }));
     assert_eq!(
-        refused(|c| c.mesh.node_sets[1].name = "rim"),
-        OpenError::MissingNodeSet { name: "diagonal" }
-    );
-    assert_eq!(
         refused(|c| c.mesh.node_sets[0].nodes.data = &[0; 4]),
-        OpenError::MissingNodeSet { name: "midplane" }
+        OpenError::ShortOutline { name: "midplane" }
     );
+    let dimension = |what| move |error| assert!(matches!(error, OpenError::Dimension { what: w, .. } if w == what));
+    dimension("nodes of an element")(refused(|c| c.mesh.element_nodes = 4));
+    dimension("parameters")(refused(|c| c.metadata.parameters.truncate(1)));
+    dimension("rows of the steady limit of a model that is not one of a capsule in the channel")(refused(|c| {
+        c.mesh.reference = Reference::Shape { radius: 1.0 };
+    }));
+    index("parameter of the clusters")(refused(|c| c.split = 2));
     let setting = |error| assert!(matches!(error, OpenError::Setting { .. }), "{error}");
     setting(refused(|c| c.metadata.parameters[0].min = f64::NAN));
     setting(refused(|c| c.metadata.parameters[1].max = 0.5));
     setting(refused(|c| c.kernel.neighbours = 0));
-    setting(refused(|c| c.kernel.capillary_scale = f64::INFINITY));
+    setting(refused(|c| c.kernel.scales[0] = f64::INFINITY));
     setting(refused(|c| c.paper.neighbours = 0));
-    setting(refused(|c| c.paper.capillary_scale = 0.0));
+    setting(refused(|c| c.paper.scales[1] = 0.0));
     setting(refused(|c| c.paper.radius = 1.0));
     setting(refused(|c| c.paper.displacement_rank = 0));
     setting(refused(|c| c.paper.velocity_rank = 0));
     setting(refused(|c| c.paper.window = 0.5));
-    setting(refused(|c| c.clusters[1].confinement_min = 0.95));
-    setting(refused(|c| c.clusters[1].confinement_max = 0.8));
+    setting(refused(|c| c.clusters[1].min = 0.95));
+    setting(refused(|c| c.clusters[1].max = 0.8));
     setting(refused(|c| c.clusters[0].direct_errors.floor = -1.0));
 }
 
@@ -309,8 +312,8 @@ fn exercise(bytes: &[u8]) {
     for method in [Method::Direct, Method::Paper] {
         let query = Query {
             extrapolate: true,
-            step: 0.5,
-            ..Query::new(0.05, 0.9, method)
+            step: Some(0.5),
+            ..Query::new([0.05, 0.9], method)
         };
         if evaluator.prepare(&query).is_err() {
             continue;

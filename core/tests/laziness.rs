@@ -112,7 +112,7 @@ fn a_scene_pays_for_itself_alone() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<Counted>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let query = Query::new(Counted(0.05), Counted(0.95), Method::Direct);
+    let query = Query::new([Counted(0.05), Counted(0.95)], Method::Direct);
     assert!(reads(|| evaluator.prepare(&query).unwrap()) > 0);
     assert_eq!(reads(|| evaluator.prepare(&query).unwrap()), 0, "the same query again");
     assert!(
@@ -181,7 +181,7 @@ fn stepping_goes_on_from_where_it_is() {
     let mut workspace = Workspace::<Counted>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     evaluator
-        .prepare(&Query::new(Counted(0.05), Counted(0.95), Method::Paper))
+        .prepare(&Query::new([Counted(0.05), Counted(0.95)], Method::Paper))
         .unwrap();
     let mut centroid = |t| reads(|| evaluator.at(Counted(t)).unwrap().centroid());
     let learning = 2 * family.times.len() * INSTANT;

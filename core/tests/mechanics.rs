@@ -171,7 +171,7 @@ fn membrane<T: Real>(family: &Family, check: impl Fn(&Model<'_>, Membrane<'_, '_
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     let [capillary_number, confinement] = PARAMETERS.map(T::from_f64);
     evaluator
-        .prepare(&Query::new(capillary_number, confinement, Method::Direct))
+        .prepare(&Query::new([capillary_number, confinement], Method::Direct))
         .unwrap();
     let mut sector = vec![[T::ZERO; 3]; model.mesh().sector_nodes().len()];
     let mut instant = evaluator.at(T::from_f64(1.0)).unwrap();

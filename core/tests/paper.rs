@@ -18,8 +18,8 @@ fn errors<T: Real>(family: &Family, parameters: [f64; 2], step: f64, t: f64) -> 
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     let [ca, confinement] = parameters.map(T::from_f64);
     let query = Query {
-        step: T::from_f64(step),
-        ..Query::new(ca, confinement, Method::Paper)
+        step: Some(T::from_f64(step)),
+        ..Query::new([ca, confinement], Method::Paper)
     };
     evaluator.prepare(&query).unwrap();
     let mut instant = evaluator.at(T::from_f64(t)).unwrap();
@@ -67,7 +67,7 @@ fn the_answer_does_not_depend_on_the_way_to_the_instant() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    evaluator.prepare(&Query::new(0.05, 0.9, Method::Paper)).unwrap();
+    evaluator.prepare(&Query::new([0.05, 0.9], Method::Paper)).unwrap();
     let mut at = |t: f32| {
         let mut instant = evaluator.at(t).unwrap();
         (instant.observables().unwrap(), instant.volume().unwrap())

@@ -20,7 +20,7 @@ fn parameters_are_judged() {
         let mut prepare = |ca, confinement, extrapolate| {
             evaluator.prepare(&Query {
                 extrapolate,
-                ..Query::new(ca, confinement, method)
+                ..Query::new([ca, confinement], method)
             })
         };
         assert_eq!(prepare(0.05, 0.9, false), Ok(Domain::Inside));
@@ -35,11 +35,15 @@ fn parameters_are_judged() {
             matches!(
                 error,
                 EvaluateError::OutsideDomain {
-                    capillary_range: [0.005, 0.2],
+                    range: [0.005, 0.2],
                     ..
                 }
             ),
             "{error}"
+        );
+        assert_eq!(
+            error.to_string(),
+            "capillary_number = 0.3 lies outside its sampled range [0.005, 0.2]"
         );
         assert_eq!(prepare(0.3, 0.9, true), Ok(Domain::Outside));
         assert_eq!(prepare(0.05, 0.6, true), Ok(Domain::Outside));
@@ -48,31 +52,18 @@ fn parameters_are_judged() {
         assert_eq!(prepare(0.15, 1.15, true), Ok(Domain::BeyondSteadyLimit));
         for bad in [f64::NAN, f64::INFINITY, 0.0, -0.1] {
             for extrapolate in [false, true] {
-                let error = prepare(bad, 0.9, extrapolate).unwrap_err();
-                assert!(
-                    matches!(
-                        error,
-                        EvaluateError::Value {
-                            what: "the capillary number",
-                            ..
-                        }
-                    ),
-                    "{error}"
-                );
-                let error = prepare(0.05, bad, extrapolate).unwrap_err();
-                assert!(
-                    matches!(
-                        error,
-                        EvaluateError::Value {
-                            what: "the confinement",
-                            ..
-                        }
-                    ),
-                    "{error}"
-                );
+                for (name, error) in [
+                    ("capillary_number", prepare(bad, 0.9, extrapolate).unwrap_err()),
+                    ("confinement", prepare(0.05, bad, extrapolate).unwrap_err()),
+                ] {
+                    assert!(matches!(error, EvaluateError::Parameter { .. }), "{error}");
+                    assert!(error.to_string().starts_with(name), "{error}");
+                }
             }
         }
     }
+    let error = evaluator.prepare(&Query::new([0.05], Method::Direct)).unwrap_err();
+    assert_eq!(error, EvaluateError::ParameterCount { expected: 2, found: 1 });
 }
 
 #[test]
@@ -82,9 +73,14 @@ fn instants_and_steps_are_judged() {
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     assert_eq!(evaluator.at(1.0).unwrap_err(), EvaluateError::NotPrepared);
-    let query = Query::new(0.05, 0.9, Method::Paper);
+    let query = Query::new([0.05, 0.9], Method::Paper);
     for step in [0.0, -0.1, f32::NAN, 1e-9, 5.0] {
-        let error = evaluator.prepare(&Query { step, ..query }).unwrap_err();
+        let error = evaluator
+            .prepare(&Query {
+                step: Some(step),
+                ..query
+            })
+            .unwrap_err();
         assert!(
             matches!(error, EvaluateError::Value { what: "the step", .. }),
             "{error}"
@@ -108,7 +104,7 @@ fn instants_and_steps_are_judged() {
     }
     assert!(evaluator.at(4.0).is_ok());
     // A query that fails leaves nothing that could be taken for its answer.
-    assert!(evaluator.prepare(&Query::new(1.0, 0.9, Method::Direct)).is_err());
+    assert!(evaluator.prepare(&Query::new([1.0, 0.9], Method::Direct)).is_err());
     assert!(evaluator.at(1.0).is_ok(), "the query before it is still there");
 }
 
@@ -150,7 +146,7 @@ fn a_workspace_serves_two_models() {
     let (first, second) = (Family::new(2).file(), Family::new(3).file());
     let (first, second) = (Model::open(&first).unwrap(), Model::open(&second).unwrap());
     let mut workspace = Workspace::<f32>::new();
-    let query = Query::new(0.05, 0.8, Method::Paper);
+    let query = Query::new([0.05, 0.8], Method::Paper);
     let mut answer = |model: &Model<'_>| {
         let mut evaluator = Evaluator::new(model, &mut workspace).unwrap();
         let unprepared = evaluator.at(1.0).is_err();
@@ -179,7 +175,7 @@ proptest! {
             let model = Model::open(file).unwrap();
             let mut workspace = Workspace::<f32>::new();
             let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-            let query = Query { extrapolate: true, step, ..Query::new(ca, confinement, METHODS[usize::from(paper)]) };
+            let query = Query { extrapolate: true, step: Some(step), ..Query::new([ca, confinement], METHODS[usize::from(paper)]) };
             if evaluator.prepare(&query).is_err() {
                 return;
             }
@@ -210,8 +206,13 @@ fn the_papers_steps_do_not_amplify_deviations() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f64>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let query = Query::new(parameters[0], parameters[1], Method::Paper);
-    evaluator.prepare(&Query { step: 0.1, ..query }).unwrap();
+    let query = Query::new(parameters, Method::Paper);
+    evaluator
+        .prepare(&Query {
+            step: Some(0.1),
+            ..query
+        })
+        .unwrap();
     let mut found = vec![[0.0; 3]; family.nodes()];
     let scene = Scene {
         nodes: Nodes::All,

@@ -19,9 +19,7 @@ fn at_instant(method: Method, check: impl Fn(&Family, &Model<'_>, capsule_core::
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f64>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    evaluator
-        .prepare(&Query::new(PARAMETERS[0], PARAMETERS[1], method))
-        .unwrap();
+    evaluator.prepare(&Query::new(PARAMETERS, method)).unwrap();
     check(&family, &model, evaluator.at(T).unwrap());
 }
 
@@ -244,7 +242,7 @@ fn expected_error_is_small_at_a_sample_and_grows_away_from_it() {
             let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
             let query = Query {
                 extrapolate: true,
-                ..Query::new(ca, confinement, method)
+                ..Query::new([ca, confinement], method)
             };
             let domain = evaluator.prepare(&query).unwrap();
             assert_eq!(domain == Domain::Outside, confinement > 1.2);

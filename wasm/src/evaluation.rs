@@ -2,7 +2,9 @@
 
 use crate::model::Shared;
 use crate::section::curves;
-use capsule_core::{Domain, Evaluator, Frame, Instant, Method, Nodes, Query, Scene, Workspace};
+use capsule_core::{
+    Domain, EvaluateError, Evaluator, Frame, Instant, Method, Nodes, Parameters, Query, Scene, Workspace,
+};
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
@@ -16,7 +18,7 @@ pub struct Evaluation {
     t: f32,
 }
 
-/// Scalars of an instant: lengths in l, velocity in V.
+/// Scalars of an instant, in the model's units: lengths in l, velocity in V for a capsule in the channel.
 #[wasm_bindgen]
 #[derive(Clone, Copy)]
 pub struct Readings {
@@ -50,18 +52,12 @@ pub struct Curves {
 
 #[wasm_bindgen]
 impl Evaluation {
-    /// Sets the query. `method` is "direct" or "paper". Returns where the parameters lie: "inside",
-    /// "beyond-steady-limit" or "outside".
+    /// Sets the query: the model's parameters in their order. `method` is "direct" or "paper". Returns where the
+    /// parameters lie: "inside", "beyond-steady-limit", "far-from-samples" or "outside".
     ///
     /// # Errors
-    /// Parameters that the core refuses: outside the domain without `extrapolate`, not positive, not finite.
-    pub fn prepare(
-        &mut self,
-        capillary_number: f32,
-        confinement: f32,
-        method: &str,
-        extrapolate: bool,
-    ) -> Result<String, JsError> {
+    /// Parameters that the core refuses: outside the domain without `extrapolate`, not finite, too few or too many.
+    pub fn prepare(&mut self, parameters: &[f32], method: &str, extrapolate: bool) -> Result<String, JsError> {
         let method = match method {
             "direct" => Method::Direct,
             "paper" => Method::Paper,
@@ -71,14 +67,18 @@ impl Evaluation {
                 )));
             }
         };
+        let expected = self.shared.core().contents().metadata.parameters.len();
+        let found = parameters.len();
+        let parameters = Parameters::new(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;
         self.query = Query {
             extrapolate,
-            ..Query::new(capillary_number, confinement, method)
+            ..Query::new(parameters, method)
         };
         let domain = Evaluator::new(self.shared.core(), &mut self.workspace)?.prepare(&self.query)?;
         Ok(match domain {
             Domain::Inside => "inside",
             Domain::BeyondSteadyLimit => "beyond-steady-limit",
+            Domain::FarFromSamples => "far-from-samples",
             Domain::Outside => "outside",
         }
         .to_owned())
@@ -151,7 +151,7 @@ impl Evaluation {
         Self {
             shared,
             workspace: Box::default(),
-            query: Query::new(f32::NAN, f32::NAN, Method::Direct),
+            query: Query::new([f32::NAN], Method::Direct),
             t: 0.0,
         }
     }
@@ -159,7 +159,7 @@ impl Evaluation {
     /// Puts a question to the core about the current query and instant.
     fn ask<A>(
         &mut self,
-        question: impl FnOnce(&mut Instant<'_, '_, f32, 64, 16, 32>) -> Result<A, capsule_core::EvaluateError>,
+        question: impl FnOnce(&mut Instant<'_, '_, f32, 64, 16, 32>) -> Result<A, EvaluateError>,
     ) -> Result<A, JsError> {
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
         evaluator.prepare(&self.query)?;

@@ -2,8 +2,9 @@
 
 use crate::evaluation::Evaluation;
 use crate::surface::Surface;
-use capsule_core::Method;
 use capsule_core::model::MatrixView;
+use capsule_core::model::wire::Reference;
+use capsule_core::{DIAGONAL, MIDPLANE, Method};
 use self_cell::self_cell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -54,7 +55,9 @@ impl Model {
         let mesh = file.borrow_dependent().mesh();
         let nodes = mesh.nodes();
         let elements: Vec<[u16; 6]> = mesh.elements().collect();
-        let surface = Surface::new(&elements, DIVISIONS);
+        // Flat triangles are drawn as they are.
+        let divisions = if mesh.element_nodes() == 3 { 1 } else { DIVISIONS };
+        let surface = Surface::new(&elements, divisions);
         Ok(Self {
             shared: Rc::new(Shared { file, surface, nodes }),
         })
@@ -101,7 +104,7 @@ impl Model {
         self.shared.nodes
     }
 
-    /// The last instant that can be asked for, in l/V.
+    /// The last instant that can be asked for.
     #[wasm_bindgen(getter, js_name = endTime)]
     pub fn end_time(&self) -> f64 {
         self.shared.core().end_time().into()
@@ -117,25 +120,60 @@ impl Model {
         .to_owned()
     }
 
-    /// Ranges in which the model was sampled: least and greatest Ca, then least and greatest a/l.
+    /// Whether this is a capsule in the channel, over Ca and a/l.
+    #[wasm_bindgen(getter, js_name = isChannel)]
+    pub fn is_channel(&self) -> bool {
+        matches!(self.shared.core().contents().mesh.reference, Reference::Sphere)
+    }
+
+    /// The length that the page draws as one: l in the channel, else the capsule's radius, in the unit of length.
+    #[wasm_bindgen(getter, js_name = drawnLength)]
+    pub fn drawn_length(&self) -> f64 {
+        match self.shared.core().contents().mesh.reference {
+            Reference::Sphere => 1.0,
+            Reference::Shape { radius } => radius,
+        }
+    }
+
+    /// Whether the model has the two section outlines.
+    #[wasm_bindgen(getter, js_name = hasOutlines)]
+    pub fn has_outlines(&self) -> bool {
+        let core = self.shared.core();
+        [MIDPLANE, DIAGONAL].iter().all(|name| core.node_set(name).is_some())
+    }
+
+    /// The units of length, velocity and time.
+    pub fn units(&self) -> Vec<String> {
+        let units = &self.shared.core().contents().metadata.units;
+        [units.length, units.velocity, units.time].map(str::to_owned).to_vec()
+    }
+
+    /// The parameters' names, in the order of a query's.
+    #[wasm_bindgen(js_name = parameterNames)]
+    pub fn parameter_names(&self) -> Vec<String> {
+        let parameters = &self.shared.core().contents().metadata.parameters;
+        parameters.iter().map(|parameter| parameter.name.to_owned()).collect()
+    }
+
+    /// Ranges in which the model was sampled: least and greatest value of the first parameter, then of the second ...
     pub fn ranges(&self) -> Vec<f64> {
         let parameters = &self.shared.core().contents().metadata.parameters;
         parameters.iter().flat_map(|range| [range.min, range.max]).collect()
     }
 
-    /// Sampled parameters: Ca, a/l, Ca, a/l, ... A sample that clusters share is given once.
+    /// Sampled parameters, one set after another. A sample that clusters share is given once.
     pub fn samples(&self) -> Vec<f64> {
-        let clusters = &self.shared.core().contents().clusters;
-        let mut samples: Vec<[f64; 2]> = Vec::new();
-        for sample in clusters
-            .iter()
-            .flat_map(|cluster| MatrixView::new(&cluster.samples).pairs())
-        {
-            if !samples.contains(&sample) {
-                samples.push(sample);
+        let mut samples: Vec<Vec<f64>> = Vec::new();
+        for cluster in &self.shared.core().contents().clusters {
+            let rows = MatrixView::new(&cluster.samples);
+            for row in 0..rows.rows() {
+                let sample = (0..rows.columns()).map(|column| rows.get(row, column).into()).collect();
+                if !samples.contains(&sample) {
+                    samples.push(sample);
+                }
             }
         }
-        samples.into_flattened()
+        samples.concat()
     }
 
     /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by rising a/l.
@@ -145,15 +183,24 @@ impl Model {
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
-    /// The parameters [Ca, a/l] to suggest instead of ones outside: first a/l, then Ca moved into its range, to a
-    /// thousandth.
-    pub fn nearest(&self, capillary_number: f64, confinement: f64) -> Vec<f64> {
+    /// The parameters to suggest instead of ones outside: each moved into its range, and Ca below the steady limit where
+    /// there is one, to a thousandth.
+    pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {
         let core = self.shared.core();
-        let [ca, al] = &core.contents().metadata.parameters;
-        let confinement = confinement.max(al.min).min(al.max);
-        // A limit stored as a single may lie a hair below the number it was made from.
-        let limit = (core.steady_limit(confinement).min(ca.max) * 1e3 + 1e-3).floor() / 1e3;
-        vec![capillary_number.min(limit).max(ca.min), confinement]
+        let ranges = &core.contents().metadata.parameters;
+        let into_range = |(value, range): (&f64, _)| -> f64 {
+            let range: &capsule_core::model::wire::Parameter<'_> = range;
+            value.max(range.min).min(range.max)
+        };
+        let mut nearest: Vec<f64> = parameters.iter().zip(ranges).map(into_range).collect();
+        if let ([capillary_number, confinement], Some(range)) = (&mut nearest[..], ranges.first())
+            && let Some(limit) = core.steady_limit(*confinement)
+        {
+            // A limit stored as a single may lie a hair below the number it was made from.
+            let limit = (limit.min(range.max) * 1e3 + 1e-3).floor() / 1e3;
+            *capillary_number = capillary_number.min(limit).max(range.min);
+        }
+        nearest
     }
 
     /// Vertices of the triangles to draw, three by three.

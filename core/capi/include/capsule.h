@@ -148,6 +148,8 @@ enum capsule_domain
   CAPSULE_DOMAIN_BEYOND_STEADY_LIMIT = 1,
   // Outside the sampled ranges.
   CAPSULE_DOMAIN_OUTSIDE = 2,
+  // Within the ranges of scattered samples, but far from all of them.
+  CAPSULE_DOMAIN_FAR_FROM_SAMPLES = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -257,7 +259,7 @@ typedef struct capsule_workspace {
 
 // A question. Zeros ask for the defaults.
 typedef struct capsule_query {
-  // The parameters, in the model's order: capillary number Ca, then confinement a/l.
+  // The parameters, in the model's order: for a capsule in the channel Ca, then a/l.
   const float *parameters;
   // How many there are.
   size_t parameter_count;
@@ -265,7 +267,7 @@ typedef struct capsule_query {
   uint32_t method;
   // Not zero: answer outside the sampled domain too.
   uint32_t extrapolate;
-  // Step of the paper's method in l/V; 0 for 0.02.
+  // Step of the paper's method; 0 for a thousandth of the end time.
   float step;
 } capsule_query;
 

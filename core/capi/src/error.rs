@@ -1,6 +1,7 @@
 //! The figures of a failure.
 
 use crate::Status;
+use capsule_core::error::Name;
 use capsule_core::{EvaluateError, OpenError};
 use core::ffi::c_char;
 use core::ptr;
@@ -65,6 +66,15 @@ pub(crate) fn figure(count: usize) -> f64 {
     f64::from(u32::try_from(count).unwrap_or(u32::MAX))
 }
 
+/// A parameter in words that live as long as the program.
+fn parameter(name: &Name) -> &'static str {
+    match name.as_str() {
+        "capillary_number" => "capillary number",
+        "confinement" => "confinement",
+        _ => "parameter",
+    }
+}
+
 impl From<OpenError> for Error {
     fn from(error: OpenError) -> Self {
         let inconsistent = |what| Self::from(Status::Inconsistent).what(what);
@@ -90,7 +100,7 @@ impl From<OpenError> for Error {
             OpenError::Number { what, value, .. } => inconsistent(what).found(value.into()),
             OpenError::Setting { what, value, min, max } => inconsistent(what).found(value).least(min).greatest(max),
             OpenError::SectorNode { node, .. } => inconsistent("sector nodes").found(figure(node)),
-            OpenError::MissingNodeSet { name } => inconsistent(name),
+            OpenError::ShortOutline { name } => inconsistent(name),
             OpenError::DuplicateSample { second, .. } => inconsistent("samples").found(figure(second)),
             _ => Status::Other.into(),
         }
@@ -113,26 +123,26 @@ impl From<EvaluateError> for Error {
                 .found(value)
                 .least(min)
                 .greatest(max),
-            EvaluateError::OutsideDomain {
-                capillary_number,
-                confinement,
-                capillary_range,
-                confinement_range,
-            } => {
-                let [least, greatest] = confinement_range;
-                let beside = |name, value, [least, greatest]: [f64; 2]| {
-                    Self::from(Status::OutsideDomain)
-                        .what(name)
-                        .found(value)
-                        .least(least)
-                        .greatest(greatest)
-                };
-                if least <= confinement && confinement <= greatest {
-                    beside("capillary number", capillary_number, capillary_range)
-                } else {
-                    beside("confinement", confinement, confinement_range)
-                }
+            EvaluateError::ParameterCount { expected, found } => Self::from(Status::ParameterCount)
+                .found(figure(found))
+                .least(figure(expected)),
+            EvaluateError::Parameter { name, value, min, max } => Self::from(Status::Value)
+                .what(parameter(&name))
+                .found(value)
+                .least(min)
+                .greatest(max),
+            EvaluateError::OutsideDomain { name, value, range } => {
+                let [least, greatest] = range;
+                Self::from(Status::OutsideDomain)
+                    .what(parameter(&name))
+                    .found(value)
+                    .least(least)
+                    .greatest(greatest)
             }
+            EvaluateError::FarFromSamples { ratio } => Self::from(Status::OutsideDomain)
+                .what("distance from the samples")
+                .found(ratio)
+                .greatest(1.0),
             EvaluateError::BeyondSteadyLimit {
                 capillary_number,
                 limit,

@@ -174,21 +174,20 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         let (model, workspace, parameters) =
             unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
         let expected = model.contents().metadata.parameters.len();
-        let &[capillary_number, confinement] = parameters else {
-            return Err(Error::from(Status::ParameterCount)
-                .found(figure(parameters.len()))
-                .least(figure(expected)));
-        };
+        let wrong_count = Error::from(Status::ParameterCount)
+            .found(figure(parameters.len()))
+            .least(figure(expected));
+        let parameters = rom::Parameters::new(parameters).ok_or(wrong_count)?;
         let method = match query.method {
             0 => model.contents().default_method,
             1 => rom::Method::Direct,
             2 => rom::Method::Paper,
             other => return Err(choice("method", other as usize, 2)),
         };
-        let mut asked = rom::Query::new(capillary_number, confinement, method);
+        let mut asked = rom::Query::new(parameters, method);
         asked.extrapolate = query.extrapolate != 0;
         if query.step != 0.0 {
-            asked.step = query.step;
+            asked.step = Some(query.step);
         }
         let found = Evaluator::new(model, workspace)?.prepare(&asked)?;
         if let Some(domain) = domain {
@@ -196,6 +195,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             unsafe { domain.place() }.write(match found {
                 rom::Domain::Inside => Domain::Inside,
                 rom::Domain::BeyondSteadyLimit => Domain::BeyondSteadyLimit,
+                rom::Domain::FarFromSamples => Domain::FarFromSamples,
                 rom::Domain::Outside => Domain::Outside,
             });
         }

@@ -24,6 +24,8 @@ pub enum Domain {
     BeyondSteadyLimit = 1,
     /// Outside the sampled ranges.
     Outside = 2,
+    /// Within the ranges of scattered samples, but far from all of them.
+    FarFromSamples = 3,
 }
 
 /// Frame of reference.
@@ -50,7 +52,7 @@ pub enum Outline {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
-    /// The parameters, in the model's order: capillary number Ca, then confinement a/l.
+    /// The parameters, in the model's order: for a capsule in the channel Ca, then a/l.
     pub parameters: *const f32,
     /// How many there are.
     pub parameter_count: usize,
@@ -58,7 +60,7 @@ pub struct Query {
     pub method: u32,
     /// Not zero: answer outside the sampled domain too.
     pub extrapolate: u32,
-    /// Step of the paper's method in l/V; 0 for 0.02.
+    /// Step of the paper's method; 0 for a thousandth of the end time.
     pub step: f32,
 }
 

@@ -6,19 +6,23 @@
 //! terms, which leaves sum L = 1 and the first order untouched where the samples do not determine them; and samples
 //! beyond a jump of the solution take no part, because a polynomial through a jump swings on both sides of it.
 
+use super::coordinates::scaled;
 use super::neighbours::{Neighbour, nearest};
-use super::{MONOMIALS, Plane, Weights, at_query};
-use crate::Real;
+use super::{Coordinates, Weights, at_query};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, part, part_mut};
 use crate::model::wire::Paper;
+use crate::{Parameters, Real};
 
 /// Square root of the ridge on the second-order terms.
 const RIDGE: f32 = 1e-4;
 /// Degree that is reproduced wherever the samples lie: twelve of them may lie on two rows of a grid.
 const SURE_DEGREE: usize = 1;
+
 /// Rows that the ridge takes beside those of the samples: one for each second-order monomial, the last of all.
-pub(crate) const RIDGE_ROWS: usize = MONOMIALS - 3;
+pub(crate) const fn ridge_rows(parameters: usize) -> usize {
+    parameters * (parameters + 1) / 2
+}
 
 /// w(d) = 2 d^3 - 3 d^2 + 1 for d <= 1, else 0 (eq. 28).
 pub(crate) fn weight<T: Real>(d: T) -> T {
@@ -30,37 +34,58 @@ pub(crate) fn weight<T: Real>(d: T) -> T {
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by diffuse approximation: A p(theta_q) of eqs. (25) and
-    /// (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond the plane's border take no part,
-    /// nor does `left_out`.
+    /// Weights of the samples at a query with as many parameters, by diffuse approximation: A p(theta_q) of eqs. (25) and
+    /// (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond a border of
+    /// the coordinates take no part, nor does `left_out`.
     ///
     /// # Errors
     /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart.
     pub fn diffuse(
         settings: &Paper,
-        plane: &Plane<'_>,
-        samples: impl Iterator<Item = [T; 2]>,
-        query: [T; 2],
+        coordinates: &Coordinates<'_>,
+        samples: impl Iterator<Item = Parameters<T>>,
+        query: &Parameters<T>,
         left_out: Option<usize>,
     ) -> Result<Self, EvaluateError> {
-        const { assert!(N > MONOMIALS, "more neighbours than monomials") };
-        let scale = T::from_f64(settings.capillary_scale);
+        match query.as_slice().len() {
+            1 => Self::diffuse_in::<1, 3>(settings, coordinates, samples, query.array(), left_out),
+            2 => Self::diffuse_in::<2, 6>(settings, coordinates, samples, query.array(), left_out),
+            3 => Self::diffuse_in::<3, 10>(settings, coordinates, samples, query.array(), left_out),
+            _ => Self::diffuse_in::<4, 15>(settings, coordinates, samples, query.array(), left_out),
+        }
+    }
+
+    /// In `P` parameters, in which there are `C` monomials up to degree two.
+    #[inline(never)]
+    fn diffuse_in<const P: usize, const C: usize>(
+        settings: &Paper,
+        coordinates: &Coordinates<'_>,
+        samples: impl Iterator<Item = Parameters<T>>,
+        query: [T; P],
+        left_out: Option<usize>,
+    ) -> Result<Self, EvaluateError> {
+        let ridge_rows = ridge_rows(P);
         let offsets = samples.map(|sample| {
-            if plane.apart(sample, query) {
-                return [T::from_f32(f32::INFINITY); 2];
+            let sample: [T; P] = sample.array();
+            if coordinates.apart(sample, query) {
+                return [T::from_f32(f32::INFINITY); P];
             }
-            [scale * (sample[0] - query[0]), sample[1] - query[1]]
+            scaled(&settings.scales, core::array::from_fn(|d| sample[d] - query[d]))
         });
         let mut neighbours = [Neighbour::NONE; N];
-        let found = nearest(offsets, left_out, part_mut(&mut neighbours, 0..N - RIDGE_ROWS));
+        let found = nearest(
+            offsets,
+            left_out,
+            part_mut(&mut neighbours, 0..N.saturating_sub(ridge_rows)),
+        );
         let holds = usize::from(settings.neighbours).clamp(1, found.max(1));
         let last = part(&neighbours, 0..holds).last().map_or(T::ZERO, |last| last.distance);
         let radius = T::from_f64(settings.radius) * last;
-        let within = |neighbour: &&Neighbour<T>| neighbour.distance < radius || neighbour.distance == T::ZERO;
+        let within = |neighbour: &&Neighbour<T, P>| neighbour.distance < radius || neighbour.distance == T::ZERO;
         let n = neighbours.iter().take(found).take_while(within).count();
         let mut weights = Self::new(part(&neighbours, 0..n), radius, SURE_DEGREE);
 
-        let mut columns = weights.monomials();
+        let mut columns = weights.monomials::<P, C>();
         let mut roots = [T::ZERO; N];
         for (root, neighbour) in roots.iter_mut().zip(&neighbours).take(n) {
             let d = if radius > T::ZERO {
@@ -75,12 +100,12 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 *value *= *root;
             }
         }
-        for (row, column) in columns.iter_mut().skip(MONOMIALS - RIDGE_ROWS).enumerate() {
+        for (row, column) in columns.iter_mut().skip(1 + P).enumerate() {
             if let Some(value) = column.get_mut(n + row) {
                 *value = T::from_f32(RIDGE);
             }
         }
-        let qr = Qr::new(n + RIDGE_ROWS, columns);
+        let qr = Qr::new(n + ridge_rows, columns);
         let mut solution = qr.solve_transposed(&at_query());
         qr.times(&mut solution);
         // The roots are zero where the ridge's rows are.

@@ -5,20 +5,20 @@
 //! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
 
 use super::neighbours::{Neighbour, nearest};
-use super::{Plane, Weights, at_query, covariance};
-use crate::Real;
+use super::{Coordinates, Weights, at_query, covariance};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot, part, part_mut};
 use crate::model::wire::Kernel;
+use crate::{Parameters, Real};
 
 /// Degree of the tail.
 const DEGREE: usize = 2;
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples (Ca, a/l) at a query (Ca, a/l), by the quintic kernel. `left_out` is a sample that takes
+    /// Weights of the samples at a query with as many parameters, by the quintic kernel. `left_out` is a sample that takes
     /// no part. `scratch` holds N^2 entries.
     ///
-    /// Where the nearest samples lie on a curve of second degree or on a line, the monomials that they cannot tell
+    /// Where the nearest samples lie on a surface of second degree, the monomials that they cannot tell
     /// apart are left out of the tail.
     ///
     /// # Errors
@@ -26,19 +26,38 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// [`EvaluateError::BufferTooShort`] for the scratch.
     pub fn kernel(
         settings: &Kernel,
-        plane: &Plane<'_>,
-        samples: impl Iterator<Item = [T; 2]>,
-        query: [T; 2],
+        coordinates: &Coordinates<'_>,
+        samples: impl Iterator<Item = Parameters<T>>,
+        query: &Parameters<T>,
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<Self, EvaluateError> {
-        let origin = plane.place(query);
+        match query.as_slice().len() {
+            1 => Self::kernel_in::<1, 3>(settings, coordinates, samples, query.array(), left_out, scratch),
+            2 => Self::kernel_in::<2, 6>(settings, coordinates, samples, query.array(), left_out, scratch),
+            3 => Self::kernel_in::<3, 10>(settings, coordinates, samples, query.array(), left_out, scratch),
+            _ => Self::kernel_in::<4, 15>(settings, coordinates, samples, query.array(), left_out, scratch),
+        }
+    }
+
+    /// In `P` parameters, in which there are `C` monomials up to degree two.
+    #[inline(never)]
+    fn kernel_in<const P: usize, const C: usize>(
+        settings: &Kernel,
+        coordinates: &Coordinates<'_>,
+        samples: impl Iterator<Item = Parameters<T>>,
+        query: [T; P],
+        left_out: Option<usize>,
+        scratch: &mut [T],
+    ) -> Result<Self, EvaluateError> {
+        let origin = coordinates.place(query);
         let offsets = samples.map(|sample| {
-            if plane.apart(sample, query) {
-                return [T::from_f32(f32::INFINITY); 2];
+            let sample = sample.array();
+            if coordinates.apart(sample, query) {
+                return [T::from_f32(f32::INFINITY); P];
             }
-            let place = plane.place(sample);
-            [place[0] - origin[0], place[1] - origin[1]]
+            let place = coordinates.place(sample);
+            core::array::from_fn(|d| place[d] - origin[d])
         });
         let mut neighbours = [Neighbour::NONE; N];
         let wanted = usize::from(settings.neighbours).min(N);
@@ -52,18 +71,19 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let matrix = rows
             .get_mut(..n)
             .ok_or(EvaluateError::BufferTooShort { required: N * n, found })?;
-        let offsets = part(&weights.offsets, 0..n);
+        let offsets: [[T; P]; N] = weights.offsets_in();
+        let offsets = part(&offsets, 0..n);
         let mut right = [T::ZERO; N];
         for ((row, right), a) in matrix.iter_mut().zip(&mut right).zip(offsets) {
             *row = [T::ZERO; N];
             for (value, b) in row.iter_mut().zip(offsets) {
                 *value = covariance(DEGREE, *a, *b);
             }
-            *right = covariance(DEGREE, *a, [T::ZERO; 2]);
+            *right = covariance(DEGREE, *a, [T::ZERO; P]);
         }
 
         // L = Q (c + y): c in the first entries meets the constraints, y in the others is free.
-        let qr = Qr::new(n, weights.monomials());
+        let qr: Qr<T, N, C> = Qr::new(n, weights.monomials::<P, C>());
         qr.conjugate(matrix);
         qr.transpose_times(&mut right);
         let c = qr.solve_transposed(&at_query());

@@ -1,5 +1,6 @@
 //! From samples to a query in the parameter plane: f(theta) = sum_j L_j(theta) f(theta_j), linear in the data.
 
+mod coordinates;
 mod diffuse;
 mod kernel;
 pub(crate) mod neighbours;
@@ -9,12 +10,11 @@ use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{dot, part_mut};
 use crate::model::MatrixView;
-pub(crate) use diffuse::{RIDGE_ROWS, weight};
+use crate::model::wire::MAX_PARAMETERS;
+pub use coordinates::Coordinates;
+pub(crate) use diffuse::{ridge_rows, weight};
 use neighbours::Neighbour;
 pub use plane::Plane;
-
-/// Monomials of the quadratic tail: 1, x, y, x^2, x y, y^2.
-const MONOMIALS: usize = 6;
 
 /// Weights L_j of at most `N` samples, and where these lie relative to the query.
 #[derive(Clone, Debug)]
@@ -22,8 +22,10 @@ pub struct Weights<T, const N: usize> {
     count: usize,
     samples: [u16; N],
     values: [T; N],
-    /// Offsets from the query in the interpolation's coordinates, divided by the radius.
-    offsets: [[T; 2]; N],
+    /// Number of parameters.
+    dimensions: usize,
+    /// Offsets from the query in the interpolation's coordinates, divided by the radius; zeros beyond the dimensions.
+    offsets: [[T; MAX_PARAMETERS]; N],
     radius: T,
     /// Degree of the polynomials that the weights are sure to reproduce.
     degree: usize,
@@ -34,17 +36,19 @@ impl<T: Real, const N: usize> Weights<T, N> {
     pub(crate) const EMPTY: Self = Self {
         count: 0,
         degree: 0,
+        dimensions: 1,
         samples: [0; N],
         values: [T::ZERO; N],
-        offsets: [[T::ZERO; 2]; N],
+        offsets: [[T::ZERO; MAX_PARAMETERS]; N],
         radius: T::ZERO,
     };
 
-    fn new(neighbours: &[Neighbour<T>], radius: T, degree: usize) -> Self {
+    fn new<const P: usize>(neighbours: &[Neighbour<T, P>], radius: T, degree: usize) -> Self {
         let mut weights = Self {
             count: neighbours.len(),
             radius,
             degree,
+            dimensions: P,
             ..Self::EMPTY
         };
         let scale = if radius > T::ZERO { T::ONE / radius } else { T::ZERO };
@@ -52,16 +56,30 @@ impl<T: Real, const N: usize> Weights<T, N> {
         for ((sample, offset), neighbour) in places.zip(neighbours) {
             // Validation bounds the number of samples.
             *sample = neighbour.sample as u16;
-            *offset = neighbour.offset.map(|offset| offset * scale);
+            for (offset, value) in offset.iter_mut().zip(neighbour.offset) {
+                *offset = value * scale;
+            }
         }
         weights
     }
 
-    /// The monomials at the samples, one column each.
-    fn monomials(&self) -> [[T; N]; MONOMIALS] {
-        let mut columns = [[T::ZERO; N]; MONOMIALS];
-        for (j, &[x, y]) in self.offsets.iter().enumerate().take(self.count) {
-            for (column, value) in columns.iter_mut().zip([T::ONE, x, y, x * x, x * y, y * y]) {
+    /// The offsets in their dimensions.
+    fn offsets_in<const P: usize>(&self) -> [[T; P]; N] {
+        self.offsets.map(|offset| core::array::from_fn(|d| offset[d]))
+    }
+
+    /// The `C` monomials up to degree two in `P` dimensions at the samples, one column each: 1, x, y, x^2, x y, y^2 for
+    /// P = 2.
+    fn monomials<const P: usize, const C: usize>(&self) -> [[T; N]; C] {
+        let mut columns = [[T::ZERO; N]; C];
+        for (j, offset) in self.offsets.iter().enumerate().take(self.count) {
+            let linear = offset.iter().take(P);
+            let products = linear
+                .clone()
+                .enumerate()
+                .flat_map(|(d, x)| offset.iter().take(P).skip(d).map(move |y| *x * *y));
+            let row = core::iter::once(T::ONE).chain(linear.copied()).chain(products);
+            for (column, value) in columns.iter_mut().zip(row) {
                 if let Some(entry) = column.get_mut(j) {
                     *entry = value;
                 }
@@ -110,11 +128,21 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// of that kernel (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 where the query is a sample that
     /// the weights return, and growing with the distance from the samples to the power 5/2 or 3/2.
     pub fn deviation(&self) -> T {
+        match self.dimensions {
+            1 => self.deviation_in::<1>(),
+            2 => self.deviation_in::<2>(),
+            3 => self.deviation_in::<3>(),
+            _ => self.deviation_in::<MAX_PARAMETERS>(),
+        }
+    }
+
+    fn deviation_in<const P: usize>(&self) -> T {
         let two = T::from_f32(2.0);
-        let placed = || self.values.iter().zip(&self.offsets).take(self.count);
+        let offsets: [[T; P]; N] = self.offsets_in();
+        let placed = || self.values.iter().zip(&offsets).take(self.count);
         let mut square = T::ZERO;
         for (i, (value, offset)) in placed().enumerate() {
-            let mut row = -two * covariance(self.degree, *offset, [T::ZERO; 2]);
+            let mut row = -two * covariance(self.degree, *offset, [T::ZERO; P]);
             for (other, place) in placed().take(i) {
                 row += two * *other * covariance(self.degree, *offset, *place);
             }
@@ -127,37 +155,38 @@ impl<T: Real, const N: usize> Weights<T, N> {
     }
 }
 
-/// Polyharmonic kernel of the plane that is positive definite on weights that annihilate polynomials of a degree:
-/// -r, r^3, -r^5.
-fn covariance<T: Real>(degree: usize, a: [T; 2], b: [T; 2]) -> T {
-    let r = norm([a[0] - b[0], a[1] - b[1]]);
+/// Polyharmonic kernel that is positive definite, in any dimension, on weights that annihilate polynomials of a degree:
+/// -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
+fn covariance<T: Real, const P: usize>(degree: usize, a: [T; P], b: [T; P]) -> T {
+    let r = norm::<T, P>(core::array::from_fn(|d| a[d] - b[d]));
     (0..degree).fold(-r, |value, _| -(value * r * r))
 }
 
 /// First unit vector: the monomials at the query.
-fn at_query<T: Real>() -> [T; MONOMIALS] {
+fn at_query<T: Real, const C: usize>() -> [T; C] {
     core::array::from_fn(|k| if k == 0 { T::ONE } else { T::ZERO })
 }
 
-/// Length of a vector of the parameter plane.
-fn norm<T: Real>(vector: [T; 2]) -> T {
+/// Length of a vector of parameters.
+fn norm<T: Real, const P: usize>(vector: [T; P]) -> T {
     dot(&vector, &vector).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Parameters;
     use crate::model::Curve;
     use crate::model::wire::{Kernel, Matrix, Paper};
 
     const N: usize = 32;
     const KERNEL: Kernel = Kernel {
         neighbours: 24,
-        capillary_scale: 2.25,
+        scales: [2.25, 1.0, 1.0, 1.0],
     };
     const PAPER: Paper = Paper {
         neighbours: 12,
-        capillary_scale: 1.9,
+        scales: [1.9, 1.0, 1.0, 1.0],
         radius: 1.2,
         displacement_rank: 10,
         velocity_rank: 10,
@@ -199,17 +228,18 @@ mod tests {
         left_out: Option<usize>,
     ) -> Weights<T, N> {
         let limit = points([[0.5, 0.2], [1.25, 0.05]]);
-        let plane = Plane {
-            capillary_scale: KERNEL.capillary_scale,
+        let coordinates = Coordinates::Channel(Plane {
+            capillary_scale: KERNEL.scales[0],
             limit: Curve::new(&Matrix::f32(2, 2, &limit)),
             border: Curve::new(border),
-        };
-        let query = query.map(T::from_f64);
+        });
+        let query = Parameters::from(query.map(T::from_f64));
+        let samples = grid(rows).map(Parameters::from);
         let mut scratch = [T::ZERO; N * N];
         let weights = if kernel {
-            Weights::kernel(&KERNEL, &plane, grid(rows), query, left_out, &mut scratch)
+            Weights::kernel(&KERNEL, &coordinates, samples, &query, left_out, &mut scratch)
         } else {
-            Weights::diffuse(&PAPER, &plane, grid(rows), query, left_out)
+            Weights::diffuse(&PAPER, &coordinates, samples, &query, left_out)
         };
         weights.unwrap()
     }
@@ -318,9 +348,10 @@ mod tests {
         let query = [0.105, 0.925];
         let weights = weights::<f64>(true, 10, query, None);
         let (n, offsets) = (weights.count, weights.offsets);
+        const MONOMIALS: usize = 6;
         const SIZE: usize = 30;
         assert_eq!(n + MONOMIALS, SIZE);
-        let columns = weights.monomials();
+        let columns = weights.monomials::<2, MONOMIALS>();
         let mut system = [[0.0; SIZE + 1]; SIZE];
         for i in 0..n {
             for j in 0..n {
@@ -329,7 +360,7 @@ mod tests {
             for k in 0..MONOMIALS {
                 (system[i][n + k], system[n + k][i]) = (columns[k][i], columns[k][i]);
             }
-            system[i][SIZE] = covariance(2, offsets[i], [0.0; 2]);
+            system[i][SIZE] = covariance(2, offsets[i], [0.0; 4]);
         }
         system[n][SIZE] = 1.0;
         for k in 0..SIZE {
@@ -354,7 +385,8 @@ mod tests {
         // L = W P (P^T W P)^-1 p of eq. (30), where the samples determine all monomials.
         let query = [0.1075, 0.95];
         let weights = weights::<f64>(false, 10, query, None);
-        let columns = weights.monomials();
+        const MONOMIALS: usize = 6;
+        let columns = weights.monomials::<2, MONOMIALS>();
         let w: [f64; N] = core::array::from_fn(|j| weight(norm(weights.offsets[j])));
         let mut system = [[0.0; MONOMIALS + 1]; MONOMIALS];
         for a in 0..MONOMIALS {

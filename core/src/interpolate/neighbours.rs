@@ -6,21 +6,21 @@ use crate::model::MOST_SAMPLES;
 
 /// A sample near the query.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Neighbour<T> {
+pub(crate) struct Neighbour<T, const P: usize> {
     /// Number of the sample.
     pub(crate) sample: usize,
     /// Its place minus the query's, in the interpolation's coordinates.
-    pub(crate) offset: [T; 2],
+    pub(crate) offset: [T; P],
     /// Length of the offset.
     pub(crate) distance: T,
 }
 
 /// The nearest samples in order of distance (at equal distance, of their number), as many as `out` holds; returns how
 /// many there are. Those at no finite distance take no part.
-pub(crate) fn nearest<T: Real>(
-    offsets: impl Iterator<Item = [T; 2]>,
+pub(crate) fn nearest<T: Real, const P: usize>(
+    offsets: impl Iterator<Item = [T; P]>,
     left_out: Option<usize>,
-    out: &mut [Neighbour<T>],
+    out: &mut [Neighbour<T, P>],
 ) -> usize {
     let mut count = 0;
     for (sample, offset) in offsets.enumerate().take(MOST_SAMPLES) {
@@ -54,11 +54,11 @@ pub(crate) fn nearest<T: Real>(
     count
 }
 
-impl<T: Real> Neighbour<T> {
+impl<T: Real, const P: usize> Neighbour<T, P> {
     /// A place holder.
     pub(crate) const NONE: Self = Self {
         sample: 0,
-        offset: [T::ZERO; 2],
+        offset: [T::ZERO; P],
         distance: T::ZERO,
     };
 }

@@ -6,7 +6,7 @@
 //! interpolation crosses a jump well.
 
 use crate::Real;
-use crate::model::{Curve, wire::Contents};
+use crate::model::Curve;
 
 /// Coordinates (s sqrt(Ca) / Ca_lim(a/l)^(1/8), a/l), cut along a border.
 #[derive(Clone, Copy, Debug)]
@@ -19,16 +19,7 @@ pub struct Plane<'a> {
     pub border: Curve<'a>,
 }
 
-impl<'a> Plane<'a> {
-    /// The plane of a model.
-    pub fn new(contents: &Contents<'a>) -> Self {
-        Self {
-            capillary_scale: contents.kernel.capillary_scale,
-            limit: Curve::new(&contents.steady_limit),
-            border: Curve::new(&contents.border),
-        }
-    }
-
+impl Plane<'_> {
     /// Where parameters (Ca, a/l) lie.
     pub(super) fn place<T: Real>(&self, [capillary_number, confinement]: [T; 2]) -> [T; 2] {
         let limit = self.limit.at(confinement).unwrap_or(T::ONE);

@@ -13,11 +13,15 @@ pub(crate) fn apply<T: Copy + core::ops::Neg<Output = T>>(operation: u8, [x, y, 
     ]
 }
 
+/// Corners of the four flat triangles of a P2 element.
+const PARTS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
+
 /// The mesh of a validated model.
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
     nodes: usize,
-    elements: &'a [u8],
+    element_nodes: usize,
+    elements: Indices<'a>,
     sector_reference: MatrixView<'a>,
     sector_nodes: Indices<'a>,
     representative: Indices<'a>,
@@ -28,7 +32,8 @@ impl<'a> Mesh<'a> {
     pub(super) fn new(mesh: &wire::Mesh<'a>) -> Self {
         Self {
             nodes: mesh.nodes as usize,
-            elements: mesh.elements.data,
+            element_nodes: mesh.element_nodes.into(),
+            elements: Indices::new(&mesh.elements),
             sector_reference: MatrixView::new(&mesh.sector_reference),
             sector_nodes: Indices::new(&mesh.sector_nodes),
             representative: Indices::new(&mesh.representative),
@@ -41,12 +46,27 @@ impl<'a> Mesh<'a> {
         self.nodes
     }
 
-    /// P2 triangles: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
+    /// Nodes of an element: 6, or 3 where the triangles are flat.
+    pub fn element_nodes(&self) -> usize {
+        self.element_nodes
+    }
+
+    /// The triangles: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside. Flat ones have no
+    /// mid-edges, and name their corners again in their place.
     pub fn elements(&self) -> impl ExactSizeIterator<Item = [u16; 6]> + Clone + use<'a> {
-        let (elements, _) = self.elements.as_chunks::<12>();
-        elements
-            .iter()
-            .map(|bytes| core::array::from_fn(|i| u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])))
+        let (indices, per_element) = (self.elements, self.element_nodes.clamp(3, 6));
+        let count = indices.len() / per_element;
+        (0..count).map(move |element| {
+            core::array::from_fn(|i| {
+                let i = if i < per_element { i } else { i - 3 };
+                indices.get(element * per_element + i).unwrap_or_default() as u16
+            })
+        })
+    }
+
+    /// The flat triangles that make up an element, by the places of their corners in it.
+    pub(crate) fn flat_parts(&self) -> &'static [[usize; 3]] {
+        if self.element_nodes == 3 { &[[0, 1, 2]] } else { &PARTS }
     }
 
     /// Full indices of the sector's nodes.
@@ -59,12 +79,12 @@ impl<'a> Mesh<'a> {
         Some((self.representative.get(node)?, *self.operation.get(node)?))
     }
 
-    /// Reference position of a sector node on the unit sphere.
+    /// Reference position of a sector node, see [`wire::Reference`].
     pub fn sector_reference(&self, sector_node: usize) -> [f32; 3] {
         core::array::from_fn(|axis| self.sector_reference.get(sector_node, axis))
     }
 
-    /// Reference position of a full node on the unit sphere, if there is such a node.
+    /// Reference position of a full node, if there is such a node.
     pub fn reference(&self, node: usize) -> Option<[f32; 3]> {
         let (sector_node, operation) = self.origin(node)?;
         Some(apply(operation, self.sector_reference(sector_node)))

@@ -18,9 +18,9 @@ pub use mesh::Mesh;
 pub(crate) use mesh::apply;
 
 use crate::error::OpenError;
-use crate::{Domain, Real};
+use crate::{Domain, Parameters, Real};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use wire::{Cluster, Contents};
+use wire::{Cluster, Contents, Reference};
 
 /// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole.
 pub const MIDPLANE: &str = "midplane";
@@ -28,7 +28,7 @@ pub const MIDPLANE: &str = "midplane";
 pub const DIAGONAL: &str = "diagonal";
 
 const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER_LENGTH: usize = 16;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -87,46 +87,69 @@ impl<'a> Model<'a> {
             .map(|set| Indices::new(&set.nodes))
     }
 
-    /// Stored instants `[N_t, 1]` in l/V.
+    /// Stored instants `[N_t, 1]`.
     pub fn times(&self) -> MatrixView<'a> {
         MatrixView::new(&self.contents.times)
     }
 
-    /// The last instant that can be asked for, in l/V.
+    /// The last instant that can be asked for.
     pub fn end_time(&self) -> f32 {
         let times = self.times();
         times.get(times.rows().saturating_sub(1), 0)
     }
 
-    /// The largest Ca that has a steady state at a confinement, linear between the stored points and constant beyond.
-    pub fn steady_limit<T: Real>(&self, confinement: T) -> T {
-        // Validation refuses a curve without points.
-        Curve::new(&self.contents.steady_limit)
-            .at(confinement)
-            .unwrap_or(T::ZERO)
+    /// The largest Ca that has a steady state at a confinement, linear between the stored points and constant beyond;
+    /// none where the model has no steady limit.
+    pub fn steady_limit<T: Real>(&self, confinement: T) -> Option<T> {
+        Curve::new(&self.contents.steady_limit).at(confinement)
     }
 
-    /// Where a pair of parameters lies; numbers that are not finite lie outside.
-    pub fn domain<T: Real>(&self, capillary_number: T, confinement: T) -> Domain {
-        let slack = T::from_f64(1.0 + PARAMETER_TOLERANCE);
-        let within = [capillary_number, confinement]
-            .iter()
-            .zip(&self.contents.metadata.parameters)
-            .all(|(value, range)| *value * slack >= T::from_f64(range.min) && *value <= T::from_f64(range.max) * slack);
-        if !within {
+    /// Where parameters lie with respect to the sampled ranges and the steady limit; numbers that are not finite lie
+    /// outside. Whether they are [`FarFromSamples`](Domain::FarFromSamples) only a prepared query tells.
+    pub fn domain<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> Domain {
+        let parameters = parameters.into();
+        let beyond = |limit: T| parameters.get(0) > limit * T::from_f64(1.0 + PARAMETER_TOLERANCE);
+        if self.outside(&parameters).is_some() {
             Domain::Outside
-        } else if capillary_number > self.steady_limit(confinement) * slack {
+        } else if self.steady_limit(parameters.get(1)).is_some_and(beyond) {
             Domain::BeyondSteadyLimit
         } else {
             Domain::Inside
         }
     }
 
-    /// The cluster that answers for a confinement: the first that reaches up to it, else the last. Validation refuses
+    /// The first parameter that lies outside its sampled range.
+    pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
+        let within = |(value, range): (&T, &wire::Parameter<'_>)| {
+            let slack = PARAMETER_TOLERANCE * range.min.abs().max(range.max.abs());
+            *value >= T::from_f64(range.min - slack) && *value <= T::from_f64(range.max + slack)
+        };
+        let mut ranges = parameters.as_slice().iter().zip(&self.contents.metadata.parameters);
+        ranges.position(|place| !within(place))
+    }
+
+    /// The factor of the reference nodes: a/l where they lie on the unit sphere, else 1.
+    pub(crate) fn scale<T: Real>(&self, parameters: &Parameters<T>) -> T {
+        match self.contents.mesh.reference {
+            Reference::Sphere => parameters.get(1),
+            Reference::Shape { .. } => T::ONE,
+        }
+    }
+
+    /// The length that stands for a, the radius of the capsule, in errors, in the unit of length.
+    pub fn radius<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> T {
+        match self.contents.mesh.reference {
+            Reference::Sphere => parameters.into().get(1),
+            Reference::Shape { radius } => T::from_f64(radius),
+        }
+    }
+
+    /// The cluster that answers for parameters: the first that reaches up to them, else the last. Validation refuses
     /// a model that has none.
-    pub(crate) fn cluster<T: Real>(&self, confinement: T) -> Option<&Cluster<'a>> {
-        let slack = T::from_f64(1.0 + PARAMETER_TOLERANCE);
-        let reaches = |cluster: &&Cluster<'a>| confinement <= T::from_f64(cluster.confinement_max) * slack;
+    pub(crate) fn cluster<T: Real>(&self, parameters: &Parameters<T>) -> Option<&Cluster<'a>> {
+        let value = parameters.get(self.contents.split.into());
+        let reaches =
+            |cluster: &&Cluster<'a>| value <= T::from_f64(cluster.max + PARAMETER_TOLERANCE * cluster.max.abs());
         let clusters = &self.contents.clusters;
         clusters.iter().find(reaches).or(clusters.last())
     }

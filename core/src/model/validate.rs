@@ -1,7 +1,7 @@
 //! The checks of [`Model::open`](super::Model::open): dimensions, indices, ranges, finiteness.
 
 use super::matrix::{Indices, MatrixView};
-use super::wire::{Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Mesh};
+use super::wire::{Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Mesh, NodeSet, Reference};
 use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 
@@ -11,8 +11,20 @@ const LARGEST: f32 = 1e6;
 const MOST_NODES: usize = 1 << 16;
 
 pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
+    // Ca and a/l of a capsule in the channel are positive.
+    let sphere = matches!(contents.mesh.reference, Reference::Sphere);
+    let least = if sphere { 1e-6 } else { -1e6 };
+    let parameters = contents.metadata.parameters.len();
+    let expected = if sphere { 2 } else { parameters.max(1) };
+    if parameters != expected {
+        return Err(OpenError::Dimension {
+            what: "parameters",
+            expected,
+            found: parameters,
+        });
+    }
     for range in &contents.metadata.parameters {
-        setting("parameter minimum", range.min, 1e-6, 1e6)?;
+        setting("parameter minimum", range.min, least, 1e6)?;
         setting("parameter maximum", range.max, range.min, 1e6)?;
     }
     let nodes = mesh(&contents.mesh)?;
@@ -28,7 +40,14 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
     }
     let error_times = rising("error times", &contents.error_times, 1)?;
     dimension("columns of the steady limit", 2, contents.steady_limit.columns)?;
-    let limit = rising("steady limit", &contents.steady_limit, 1)?;
+    let limit = rising("steady limit", &contents.steady_limit, 0)?;
+    if limit.rows() > 0 && !sphere {
+        return Err(OpenError::Dimension {
+            what: "rows of the steady limit of a model that is not one of a capsule in the channel",
+            expected: 0,
+            found: limit.rows(),
+        });
+    }
     for row in 0..limit.rows() {
         setting(
             "capillary number of the steady limit",
@@ -43,7 +62,9 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
 
     let kernel = &contents.kernel;
     setting("neighbours of the kernel", kernel.neighbours.into(), 1.0, 1e4)?;
-    setting("capillary scale of the kernel", kernel.capillary_scale, 1e-3, 1e3)?;
+    for scale in kernel.scales {
+        setting("scale of the kernel", scale, 1e-9, 1e9)?;
+    }
     let paper = &contents.paper;
     setting(
         "neighbours of the diffuse approximation",
@@ -51,32 +72,21 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
         1.0,
         1e4,
     )?;
-    setting(
-        "capillary scale of the diffuse approximation",
-        paper.capillary_scale,
-        1e-3,
-        1e3,
-    )?;
+    for scale in paper.scales {
+        setting("scale of the diffuse approximation", scale, 1e-9, 1e9)?;
+    }
     setting("radius of the diffuse approximation", paper.radius, 1.0 + 1e-3, 10.0)?;
     setting("local displacement rank", paper.displacement_rank.into(), 1.0, 1e4)?;
     setting("local velocity rank", paper.velocity_rank.into(), 1.0, 1e4)?;
     setting("window of the manifold", paper.window, 1.0, 4.0)?;
 
+    bounded("parameter of the clusters", 0, contents.split.into(), parameters)?;
     let mut reached = None;
     for cluster in &contents.clusters {
-        setting(
-            "least confinement of a cluster",
-            cluster.confinement_min,
-            1e-6,
-            reached.unwrap_or(1e6),
-        )?;
-        setting(
-            "greatest confinement of a cluster",
-            cluster.confinement_max,
-            cluster.confinement_min,
-            1e6,
-        )?;
-        reached = Some(cluster.confinement_max);
+        setting("least value of a cluster", cluster.min, least, reached.unwrap_or(1e6))?;
+        setting("greatest value of a cluster", cluster.max, cluster.min, 1e6)?;
+        reached = Some(cluster.max);
+        samples(cluster, parameters, least as f32)?;
         self::cluster(cluster, nodes, times.rows(), error_times.rows())?;
     }
     if reached.is_none() {
@@ -105,19 +115,10 @@ fn mesh(mesh: &Mesh<'_>) -> Result<usize, OpenError> {
         3,
         mesh.sector_reference.columns,
     )?;
-    let reference = matrix("sector's reference nodes", &mesh.sector_reference, -1.001, 1.001)?;
-    for node in 0..sector {
-        let [x, y, z] = [0, 1, 2].map(|axis| reference.get(node, axis));
-        let square = x * x + y * y + z * z;
-        if (square - 1.0).abs() > 1e-3 {
-            let expected = "a node on the unit sphere (this is its squared radius)";
-            return Err(OpenError::Number {
-                what: "sector's reference nodes",
-                index: node,
-                value: square,
-                expected,
-            });
-        }
+    let reference = matrix("sector's reference nodes", &mesh.sector_reference, -LARGEST, LARGEST)?;
+    match mesh.reference {
+        Reference::Sphere => on_unit_sphere(&reference)?,
+        Reference::Shape { radius } => setting("radius of the reference shape", radius, 1e-9, 1e6)?,
     }
     let representative = indices("representatives", &mesh.representative, nodes, sector)?;
     length("operations", &mesh.operation, nodes)?;
@@ -131,26 +132,49 @@ fn mesh(mesh: &Mesh<'_>) -> Result<usize, OpenError> {
             return Err(OpenError::SectorNode { index, node });
         }
     }
-    let corners = mesh.elements.data.len() / 12 * 6;
-    indices("elements", &mesh.elements, corners, nodes)?;
+    let element_nodes = usize::from(mesh.element_nodes);
+    if element_nodes != 3 && element_nodes != 6 {
+        return Err(OpenError::Dimension {
+            what: "nodes of an element",
+            expected: 6,
+            found: element_nodes,
+        });
+    }
+    let whole = mesh.elements.data.len() / (2 * element_nodes) * element_nodes;
+    indices("elements", &mesh.elements, whole, nodes)?;
     for set in &mesh.node_sets {
         indices("node sets", &set.nodes, set.nodes.data.len() / 2, nodes)?;
     }
     for name in [MIDPLANE, DIAGONAL] {
-        let long_enough = mesh
-            .node_sets
-            .iter()
-            .any(|set| set.name == name && set.nodes.data.len() >= 6);
-        if !long_enough {
-            return Err(OpenError::MissingNodeSet { name });
+        let short = |set: &NodeSet<'_>| set.name == name && set.nodes.data.len() < 6;
+        if mesh.node_sets.iter().any(short) {
+            return Err(OpenError::ShortOutline { name });
         }
     }
     Ok(sector)
 }
 
-fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize) -> Result<(), OpenError> {
-    let samples = matrix("samples", &cluster.samples, 1e-6, LARGEST)?;
-    dimension("columns of the samples", 2, cluster.samples.columns)?;
+fn on_unit_sphere(reference: &MatrixView<'_>) -> Result<(), OpenError> {
+    for node in 0..reference.rows() {
+        let [x, y, z] = [0, 1, 2].map(|axis| reference.get(node, axis));
+        let square = x * x + y * y + z * z;
+        if (square - 1.0).abs() > 1e-3 {
+            let expected = "a node on the unit sphere (this is its squared radius)";
+            return Err(OpenError::Number {
+                what: "sector's reference nodes",
+                index: node,
+                value: square,
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Checks the samples of a cluster.
+fn samples(cluster: &Cluster<'_>, parameters: usize, least: f32) -> Result<(), OpenError> {
+    let samples = matrix("samples", &cluster.samples, least, LARGEST)?;
+    dimension("columns of the samples", parameters, cluster.samples.columns)?;
     if samples.rows() == 0 || samples.rows() > MOST_SAMPLES {
         return Err(OpenError::Dimension {
             what: "samples",
@@ -158,14 +182,19 @@ fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize
             found: samples.rows(),
         });
     }
-    let sample = |i| (samples.get(i, 0), samples.get(i, 1));
+    let same = |first, second| (0..parameters).all(|d| samples.get(first, d) == samples.get(second, d));
     for second in 0..samples.rows() {
-        if let Some(first) = (0..second).find(|&first| sample(first) == sample(second)) {
+        if let Some(first) = (0..second).find(|&first| same(first, second)) {
             return Err(OpenError::DuplicateSample { first, second });
         }
     }
+    Ok(())
+}
+
+fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize) -> Result<(), OpenError> {
+    let samples = cluster.samples.rows as usize;
     for field in [&cluster.displacement, &cluster.velocity] {
-        self::field(field, nodes, times, samples.rows())?;
+        self::field(field, nodes, times, samples)?;
     }
     let [rank_u, rank_v] = [&cluster.displacement, &cluster.velocity].map(|field| field.modes.columns + 1);
     dimension("rows of the cross product", rank_u as usize, cluster.cross_product.rows)?;
@@ -181,10 +210,10 @@ fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize
         floor,
     } in [&cluster.direct_errors, &cluster.paper_errors]
     {
-        dimension("rows of the leave-one-out errors", samples.rows(), left_out.rows)?;
+        dimension("rows of the leave-one-out errors", samples, left_out.rows)?;
         dimension("columns of the leave-one-out errors", error_times, left_out.columns)?;
         matrix("leave-one-out errors", left_out, 0.0, LARGEST)?;
-        dimension("rows of the deviations", samples.rows(), deviation.rows)?;
+        dimension("rows of the deviations", samples, deviation.rows)?;
         dimension("columns of the deviations", 1, deviation.columns)?;
         matrix("deviations", deviation, f32::MIN_POSITIVE, LARGEST)?;
         setting("error floor", *floor, 0.0, 1e6)?;

@@ -7,8 +7,8 @@
 //! Mode 0 of both fields is the axial translation and has no column in the mode matrices: coefficient 0 of the
 //! displacement is `sqrt(N_x) X_c` with `X_c` the axial position of the volume centroid, coefficient 0 of the velocity
 //! is `sqrt(N_x) U` with `U = dX_c/dt`. Coefficient `k >= 1` belongs to column `k - 1` of the mode matrix. The shape
-//! displacement is measured in the centroid's frame from the reference node times a/l: `x = (a/l) X + Phi alpha`,
-//! so the initial shape is in the data at t = 0. The shape velocity is `v - U e_x`.
+//! displacement is measured in the centroid's frame from the scaled reference node: `x = s X + Phi alpha`, with s = a/l or 1
+//! as the mesh's [`Reference`] says, so the initial shape is in the data at t = 0. The shape velocity is `v - U e_x`.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 pub const MAX_CLUSTERS: usize = 4;
 /// The most named node sets that a file may hold.
 pub const MAX_NODE_SETS: usize = 8;
-/// The number of parameters: capillary number and confinement.
-pub const PARAMETERS: usize = 2;
+/// The most parameters that a model may have.
+pub const MAX_PARAMETERS: usize = 4;
 
 /// The whole message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,11 +28,12 @@ pub struct Contents<'a> {
     pub metadata: Metadata<'a>,
     /// Surface mesh and its symmetry.
     pub mesh: Mesh<'a>,
-    /// Stored instants `[N_t, 1]` in l/V, strictly rising from 0.
+    /// Stored instants `[N_t, 1]`, strictly rising from 0.
     pub times: Matrix<'a>,
-    /// Instants `[N_e, 1]` in l/V of the stored leave-one-out errors, strictly rising.
+    /// Instants `[N_e, 1]` of the stored leave-one-out errors, strictly rising.
     pub error_times: Matrix<'a>,
-    /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between.
+    /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between. Empty
+    /// where the parameters are not (Ca, a/l) of a capsule in the channel.
     pub steady_limit: Matrix<'a>,
     /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l strictly
     /// rising; linear between, and no border beyond. May be empty.
@@ -43,7 +44,9 @@ pub struct Contents<'a> {
     pub kernel: Kernel,
     /// Settings of [`Method::Paper`].
     pub paper: Paper,
-    /// Clusters by rising confinement; neighbours share their border.
+    /// Index of the parameter along which the clusters follow each other.
+    pub split: u8,
+    /// Clusters, each for a range of that parameter, by its rising values; neighbours share their border.
     pub clusters: Vec<Cluster<'a>, MAX_CLUSTERS>,
 }
 
@@ -52,19 +55,31 @@ pub struct Contents<'a> {
 pub struct Metadata<'a> {
     /// Title for people.
     pub title: &'a str,
-    /// Units, in words.
-    pub units: &'a str,
+    /// Units of what goes in and comes out.
+    #[serde(borrow)]
+    pub units: Units<'a>,
     /// Constitutive law of the membrane.
     pub membrane_law: &'a str,
-    /// Parameters in the order capillary number, confinement.
+    /// One to four parameters, in the order of a query's; capillary number, confinement for a capsule in the channel.
     #[serde(borrow)]
-    pub parameters: [Parameter<'a>; PARAMETERS],
+    pub parameters: Vec<Parameter<'a>, MAX_PARAMETERS>,
     /// Digest of the snapshot database (hexadecimal text).
     pub database_digest: &'a str,
     /// Settings of the offline stage, as JSON text.
     pub offline_settings: &'a str,
     /// Creation time, seconds since 1970-01-01 UTC.
     pub created_unix_s: u64,
+}
+
+/// Names of the units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Units<'a> {
+    /// Of lengths; `l`, half the channel's side, for a capsule in the channel.
+    pub length: &'a str,
+    /// Of velocities; `V`, the mean velocity of the undisturbed flow, for a capsule in the channel.
+    pub velocity: &'a str,
+    /// Of times; `l/V` for a capsule in the channel.
+    pub time: &'a str,
 }
 
 /// One parameter and the range in which the model was sampled.
@@ -78,15 +93,19 @@ pub struct Parameter<'a> {
     pub max: f64,
 }
 
-/// Surface mesh: P2 triangles, stored with what symmetry cannot derive.
+/// Surface mesh: triangles of degree 2 or 1, stored with what symmetry cannot derive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mesh<'a> {
     /// Number of nodes N_x of the full mesh.
     pub nodes: u32,
-    /// `u16 [N_e, 6]`: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
+    /// Nodes of an element: 6, or 3 where the triangles are flat.
+    pub element_nodes: u8,
+    /// `u16 [N_e, element_nodes]`: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
     #[serde(borrow)]
     pub elements: Blob<'a>,
-    /// Reference nodes of the sector on the UNIT sphere, `[N_s, 3]`.
+    /// What the reference nodes are.
+    pub reference: Reference,
+    /// Reference nodes of the sector `[N_s, 3]`.
     pub sector_reference: Matrix<'a>,
     /// `u16 [N_s]`: full index of each sector node.
     pub sector_nodes: Blob<'a>,
@@ -95,8 +114,22 @@ pub struct Mesh<'a> {
     /// `u8 [N_x]`: operation 0..8 that carries the representative to the node. Bit 2: swap y and z (first); bit 0:
     /// y -> -y; bit 1: z -> -z. A sector node's own operation is 0.
     pub operation: Blob<'a>,
-    /// Named lists of nodes; [`MIDPLANE`](super::MIDPLANE) and [`DIAGONAL`](super::DIAGONAL) must be there.
+    /// Named lists of nodes, such as [`MIDPLANE`](super::MIDPLANE) and [`DIAGONAL`](super::DIAGONAL) where the mesh has
+    /// nodes in these planes.
     pub node_sets: Vec<NodeSet<'a>, MAX_NODE_SETS>,
+}
+
+/// The reference state of a mesh: node X contributes `s X` to its position.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reference {
+    /// The unit sphere, which times a/l is the stress-free state: s = a/l, and the parameters are (Ca, a/l). Only here the
+    /// mechanics of the membrane is known.
+    Sphere,
+    /// Any shape, in the unit of length: s = 1.
+    Shape {
+        /// The length that stands for a in errors: the radius of the sphere of the same volume.
+        radius: f64,
+    },
 }
 
 /// A named list of nodes.
@@ -112,11 +145,11 @@ pub struct NodeSet<'a> {
 /// The double POD of one part of the parameter domain, and its samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cluster<'a> {
-    /// Least confinement that the cluster answers for.
-    pub confinement_min: f64,
-    /// Greatest confinement that the cluster answers for.
-    pub confinement_max: f64,
-    /// Samples `[N_c, 2]`: rows (Ca, a/l), all different.
+    /// Least value of the clusters' parameter that the cluster answers for.
+    pub min: f64,
+    /// Its greatest value.
+    pub max: f64,
+    /// Samples `[N_c, P]`: rows of parameters, all different.
     #[serde(borrow)]
     pub samples: Matrix<'a>,
     /// Displacement.
@@ -174,8 +207,9 @@ pub enum Method {
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u16,
-    /// s in the coordinates (s sqrt(Ca) / Ca_lim(a/l)^(1/8), a/l) in which distances are taken.
-    pub capillary_scale: f64,
+    /// Factor of each parameter in the coordinates in which distances are taken; 1 beyond the last. With a steady limit
+    /// the coordinates are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l).
+    pub scales: [f64; MAX_PARAMETERS],
 }
 
 /// Settings of Algorithm 2.
@@ -183,8 +217,8 @@ pub struct Kernel {
 pub struct Paper {
     /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
     pub neighbours: u16,
-    /// r: weight of Ca against a/l in the distance (eq. 27 with r on Ca, as Figure 5 shows it).
-    pub capillary_scale: f64,
+    /// Weight of each parameter in the distance: (r, 1) for (Ca, a/l), eq. 27 with r on Ca, as Figure 5 shows it.
+    pub scales: [f64; MAX_PARAMETERS],
     /// R as a multiple of the distance of the M-th sample; > 1, or that sample has no weight.
     pub radius: f64,
     /// m_u: rank of the local displacement basis, translation included.

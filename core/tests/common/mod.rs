@@ -300,7 +300,9 @@ impl Family {
         let f32 = |rows: usize, columns: usize, blob: Blob<'a>| Matrix::f32(rows as u32, columns as u32, blob.data);
         let mesh = Mesh {
             nodes: self.nodes() as u32,
+            element_nodes: 6,
             elements: blob(),
+            reference: Reference::Sphere,
             sector_reference: f32(sector, 3, blob()),
             sector_nodes: blob(),
             representative: blob(),
@@ -329,10 +331,9 @@ impl Family {
                 floor: 1e-5,
             };
             let (direct_errors, paper_errors) = (errors(), errors());
-            let (confinement_min, confinement_max) = (min, max);
             Cluster {
-                confinement_min,
-                confinement_max,
+                min,
+                max,
                 samples,
                 displacement,
                 velocity,
@@ -345,20 +346,16 @@ impl Family {
         Contents {
             metadata: Metadata {
                 title: "test family",
-                units: "l, V, l/V",
+                units: Units {
+                    length: "l",
+                    velocity: "V",
+                    time: "l/V",
+                },
                 membrane_law: "none",
-                parameters: [
-                    Parameter {
-                        name: "capillary_number",
-                        min: 0.005,
-                        max: 0.2,
-                    },
-                    Parameter {
-                        name: "confinement",
-                        min: 0.75,
-                        max: 1.2,
-                    },
-                ],
+                parameters: [("capillary_number", 0.005, 0.2), ("confinement", 0.75, 1.2)]
+                    .into_iter()
+                    .map(|(name, min, max)| Parameter { name, min, max })
+                    .collect(),
                 database_digest: "",
                 offline_settings: "{}",
                 created_unix_s: 0,
@@ -371,16 +368,17 @@ impl Family {
             default_method: Method::Direct,
             kernel: Kernel {
                 neighbours: 24,
-                capillary_scale: 2.25,
+                scales: [2.25, 1.0, 1.0, 1.0],
             },
             paper: Paper {
                 neighbours: 12,
-                capillary_scale: 1.9,
+                scales: [1.9, 1.0, 1.0, 1.0],
                 radius: 1.2,
                 displacement_rank: 10,
                 velocity_rank: 10,
                 window: 2.0,
             },
+            split: 1,
             clusters,
         }
     }

@@ -12,11 +12,13 @@ mod interrupt;
 mod model;
 mod offline_build;
 mod outlines;
+mod parameters;
 mod predict;
 mod print;
 mod progress;
 mod record;
 mod solver_options;
+mod source;
 mod study_leave_one_out;
 mod study_smoothness;
 mod study_speed;
@@ -53,7 +55,7 @@ enum Command {
     /// Snapshot databases
     #[command(subcommand)]
     Database(Data),
-    /// From a snapshot database to a model file
+    /// From snapshots to a model file
     #[command(subcommand)]
     Offline(Offline),
     /// Predict a capsule's motion with the reduced-order model
@@ -97,7 +99,7 @@ enum Data {
 
 #[derive(Subcommand)]
 enum Offline {
-    /// Build a model file from a snapshot database
+    /// Build a model file from a snapshot database or from other people's data
     Build(offline_build::Options),
 }
 

@@ -1,9 +1,9 @@
-//! `capsule-rom offline build`: from a snapshot database to a model file.
+//! `capsule-rom offline build`: from a snapshot database or other people's data to a model file.
 
+use crate::source::SourceOptions;
 use crate::{print, progress};
 use anyhow::{Context, Result};
-use capsule_database::Database;
-use capsule_offline::{BuildReport, Settings, Spectrum, Truncation, one_minus_ric};
+use capsule_offline::{BuildReport, Spectrum, Truncation, one_minus_ric};
 use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 use clap::Args;
 use std::io::Write;
@@ -13,13 +13,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the snapshot database
-    #[arg(long, value_name = "DIR", default_value = "models/database")]
-    database: PathBuf,
-    /// Model file to write
-    #[arg(long, value_name = "FILE", default_value = "models/capsule.crom")]
-    out: PathBuf,
-    /// Truncation: root mean square error that each basis may leave, in l and V [default: 1e-4 l, 1e-3 V]
+    #[command(flatten)]
+    source: SourceOptions,
+    /// Model file to write [default: models/capsule.crom; beside the data of --from, as .crom]
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Truncation: root mean square error that each basis may leave, in l and V, with --from in radii and
+    /// root-mean-square velocities [default: 1e-4 and 1e-3]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
     /// Truncation at the paper's ranks: 40 and 40 for the displacement, 50 and 50 for the velocity
@@ -40,36 +40,45 @@ const EXAMPLES: &str = "\
 Examples:
   capsule-rom offline build
   capsule-rom offline build --database models/database --out smaller.crom --tolerance 1e-3
-  capsule-rom offline build --paper-ranks --out paper.crom --plots plots/ --json";
+  capsule-rom offline build --paper-ranks --out paper.crom --plots plots/ --json
+  capsule-rom offline build --from data.npz --out data.crom
+  capsule-rom offline build --from series/ --split confinement=0.9 --out data.crom
+
+Other people's data: see docs/own-data.md.";
 
 pub fn run(options: &Options) -> Result<()> {
-    let database = Database::open(&options.database)?;
-    let mut settings = Settings {
-        created_unix_s: now(),
-        ..Settings::default()
-    };
-    if let Some(tolerance) = options.tolerance {
+    let (snapshots, mut settings) = options.source.open()?;
+    settings.created_unix_s = now();
+    if let (Some(tolerance), Truncation::Tolerance { displacement, velocity }) =
+        (options.tolerance, settings.truncation)
+    {
+        // The defaults are 1e-4 and 1e-3 of the units.
         settings.truncation = Truncation::Tolerance {
-            displacement: tolerance,
-            velocity: tolerance,
+            displacement: tolerance * displacement / 1e-4,
+            velocity: tolerance * velocity / 1e-3,
         };
     }
     if options.paper_ranks {
         settings.truncation = Truncation::PAPER;
     }
     let bar = progress::tasks(options.quiet);
-    let (bytes, report) = capsule_offline::build(&database, &settings, &|task, done, of| {
+    let (bytes, report) = capsule_offline::build(snapshots.source(), &settings, &|task, done, of| {
         progress::show(&bar, task, done, of)
     })?;
     bar.finish_and_clear();
-    write(&options.out, &bytes)?;
+    let out = match (&options.out, &options.source.from) {
+        (Some(out), _) => out.clone(),
+        (None, Some(from)) => from.with_extension("crom"),
+        (None, None) => PathBuf::from("models/capsule.crom"),
+    };
+    write(&out, &bytes)?;
     if let Some(folder) = &options.plots {
         plot(folder, &report.spectra)?;
     }
     if options.json {
         return print::json(&report);
     }
-    tell(&report, &options.out)
+    tell(&report, &out)
 }
 
 /// Seconds since 1970, or what SOURCE_DATE_EPOCH says, so that a build can be repeated to the bit.
@@ -113,11 +122,15 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
         report.digest,
         report.database_digest
     );
+    println!(
+        "{} instants to t = {}; symmetry of order {}",
+        report.instants, report.end_time, report.symmetry
+    );
     let mut rows = Vec::new();
     for cluster in &report.clusters {
         for (field, reduced) in [("displacement", cluster.displacement), ("velocity", cluster.velocity)] {
             rows.push(vec![
-                format!("{:.2} to {:.2}", cluster.confinement[0], cluster.confinement[1]),
+                format!("{:.2} to {:.2}", cluster.range[0], cluster.range[1]),
                 cluster.samples.to_string(),
                 field.to_owned(),
                 reduced.space_rank.to_string(),
@@ -129,7 +142,7 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
     }
     print::table(
         &[
-            "a/l",
+            &report.cluster_parameter,
             "samples",
             "field",
             "K_x",
@@ -151,7 +164,9 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
                 .collect()
         })
         .collect();
-    print::table(&["a/l", "steady to Ca", "unsteady from Ca", "limit"], &rows)?;
+    if !rows.is_empty() {
+        print::table(&["a/l", "steady to Ca", "unsteady from Ca", "limit"], &rows)?;
+    }
     if !report.jumps.is_empty() {
         println!();
         let rows: Vec<Vec<String>> = report
@@ -181,7 +196,7 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
 fn name(spectrum: &Spectrum) -> String {
     match spectrum.cluster {
         None => format!("{}, laboratory frame", spectrum.matrix),
-        Some([low, high]) => format!("{}, a/l {low:.2} to {high:.2}", spectrum.matrix),
+        Some([low, high]) => format!("{}, cluster {low:.2} to {high:.2}", spectrum.matrix),
     }
 }
 

@@ -1,25 +1,24 @@
 //! `capsule-rom predict`: the reduced-order model at chosen instants.
 
 use crate::fields::{self, Column, Field, Surface, Totals};
+use crate::parameters::QueryOptions;
 use crate::{model, outlines, print};
 use anyhow::{Context, Result};
 use capsule_core::mechanics::{Deformation, Stencil};
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
+use capsule_core::model::wire::{Reference, Units};
+use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::vtu;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Capillary number Ca = mu V / G_s
-    #[arg(long, allow_negative_numbers = true)]
-    ca: f32,
-    /// Confinement a/l
-    #[arg(long, allow_negative_numbers = true)]
-    confinement: f32,
-    /// Instants, in l/V
+    #[command(flatten)]
+    query: QueryOptions,
+    /// Instants, in l/V (or the unit of time of --model)
     #[arg(long, value_delimiter = ',', required = true, allow_negative_numbers = true)]
     t: Vec<f32>,
     /// How the answer is computed [default: the model's]
@@ -57,6 +56,7 @@ Examples:
   capsule-rom predict --ca 0.03 --confinement 1.10 --t 8 --method paper --json
   capsule-rom predict --ca 0.10 --confinement 0.90 --t 0,0.4,3,6,9 --vtu paraview/ --csv table.csv --plot sections.png
   capsule-rom predict --ca 0.05 --confinement 1.00 --t 5 --fields tension,load,energy --vtu paraview/ --json
+  capsule-rom predict --model data.crom --parameters flow_rate=1.2,stiffness=0.4 --t 0.5,1
 
 Computed in single precision: the same bits as in the browser and on a microcontroller.
 expected_error is a fraction of a (modified Hausdorff distance in the laboratory frame).";
@@ -79,9 +79,13 @@ impl From<MethodName> for Method {
 }
 
 #[derive(Serialize)]
-struct Prediction {
-    ca: f32,
-    confinement: f32,
+struct Prediction<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ca: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confinement: Option<f32>,
+    parameters: BTreeMap<&'a str, f32>,
+    units: Units<'a>,
     model_digest: String,
     method: &'static str,
     instants: Vec<InstantRow>,
@@ -133,29 +137,44 @@ pub fn run(options: &Options) -> Result<()> {
     let bytes = model::read(path)?;
     let model = model::open(&bytes, path)?;
     let method = options.method.map_or(model.contents().default_method, Method::from);
+    let parameters = options.query.of(&model)?;
     let mut workspace = Box::new(Workspace::<f32>::new());
     let mut evaluator = Evaluator::new(&model, &mut workspace)?;
     evaluator.prepare(&Query {
         extrapolate: options.extrapolate,
-        ..Query::new(options.ca, options.confinement, method)
+        ..Query::new(parameters.values, method)
     })?;
 
-    let mut mechanics = Mechanics::new(&model, &options.fields, options.ca)?;
+    let mut mechanics = Mechanics::new(&model, &options.fields, parameters.values.get(0))?;
     let instants = options
         .t
         .iter()
         .map(|&t| instant(&mut evaluator, mechanics.as_mut(), t))
         .collect::<Result<Vec<_>>>()?;
+    let of_channel = |name: &str| {
+        parameters
+            .pairs()
+            .find(|(known, _)| *known == name)
+            .map(|(_, value)| value)
+    };
+    let units = model.contents().metadata.units;
     let prediction = Prediction {
-        ca: options.ca,
-        confinement: options.confinement,
+        ca: of_channel("capillary_number"),
+        confinement: of_channel("confinement"),
+        parameters: parameters.pairs().collect(),
+        units,
         model_digest: model::digest(&model),
         method: method_name(method),
         instants,
     };
     let title = format!(
-        "capsule-rom predict; Ca = {}; a/l = {}; method {}; model {}",
-        prediction.ca, prediction.confinement, prediction.method, prediction.model_digest
+        "capsule-rom predict; {}; method {}; model {}; lengths in {}, velocities in {}, times in {}",
+        parameters.text(),
+        prediction.method,
+        prediction.model_digest,
+        units.length,
+        units.velocity,
+        units.time
     );
     let nodal_csv = options.csv.as_deref().filter(|_| mechanics.is_some());
     if options.vtu.is_some() || options.npz.is_some() || nodal_csv.is_some() {
@@ -184,14 +203,19 @@ pub fn run(options: &Options) -> Result<()> {
         write_csv(file, &title, &prediction.instants)?;
     }
     if let Some(file) = &options.plot {
-        outlines::plot(file, &mut evaluator, &options.t, options.ca, options.confinement)?;
+        outlines::plot(file, &mut evaluator, &options.t, &parameters.text(), units.length)?;
     }
     if options.json {
         return print::json(&prediction);
     }
     println!(
-        "Ca = {}, a/l = {}, method {}, model {}",
-        prediction.ca, prediction.confinement, prediction.method, prediction.model_digest
+        "{}, method {}, model {}; lengths in {}, velocities in {}, times in {}",
+        parameters.text(),
+        prediction.method,
+        prediction.model_digest,
+        units.length,
+        units.velocity,
+        units.time
     );
     let rows: Vec<_> = prediction.instants.iter().map(InstantRow::cells).collect();
     let heading: Vec<_> = rows.iter().take(1).flatten().map(|(name, _)| *name).collect();
@@ -237,6 +261,9 @@ impl<'o> Mechanics<'o> {
     fn new(model: &Model<'_>, fields: &'o [Field], capillary_number: f32) -> Result<Option<Self>> {
         if fields.is_empty() {
             return Ok(None);
+        }
+        if !matches!(model.contents().mesh.reference, Reference::Sphere) {
+            return Err(EvaluateError::NoSphere.into());
         }
         let mesh = model.mesh();
         let nodes = mesh.sector_nodes();

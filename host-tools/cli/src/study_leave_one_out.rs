@@ -1,9 +1,9 @@
 //! `capsule-rom study leave-one-out`: each sample predicted from all the others.
 
+use crate::source::SourceOptions;
 use crate::{print, progress};
-use anyhow::{Context, Result};
-use capsule_database::Database;
-use capsule_offline::{Design, Settings};
+use anyhow::{Context, Result, bail};
+use capsule_offline::Design;
 use capsule_plot::{Cells, Figure, Panel};
 use capsule_study::Report;
 use clap::{Args, ValueEnum};
@@ -12,10 +12,9 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the snapshot database
-    #[arg(long, value_name = "DIR", default_value = "models/database")]
-    database: PathBuf,
-    /// Configurations that take part
+    #[command(flatten)]
+    source: SourceOptions,
+    /// Configurations of the database that take part
     #[arg(long, value_enum, default_value_t = Samples::All)]
     design: Samples,
     /// Print one JSON object
@@ -45,22 +44,20 @@ Examples:
   capsule-rom study leave-one-out
   capsule-rom study leave-one-out --design paper --json
   capsule-rom study leave-one-out --csv errors.csv --plots plots/
+  capsule-rom study leave-one-out --from data.npz
 
 Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
 the shape alone (in the frame of the centroid). The whole model is built anew without each sample. Errors are over the
 samples in the domain that the model answers for; those around it take part, but are not counted.";
 
 pub fn run(options: &Options) -> Result<()> {
-    let database = Database::open(&options.database)?;
+    let (snapshots, mut settings) = options.source.open()?;
     let bar = progress::tasks(options.quiet);
-    let settings = Settings {
-        design: match options.design {
-            Samples::All => Design::All,
-            Samples::Paper => Design::Paper,
-        },
-        ..Settings::default()
+    settings.design = match options.design {
+        Samples::All => Design::All,
+        Samples::Paper => Design::Paper,
     };
-    let report = capsule_study::leave_one_out(&database, &settings, &|task, done, of| {
+    let report = capsule_study::leave_one_out(snapshots.source(), &settings, &|task, done, of| {
         progress::show(&bar, task, done, of);
     })?;
     bar.finish_and_clear();
@@ -103,6 +100,16 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// One figure a method and frame, one panel an instant.
 fn plot(folder: &Path, report: &Report) -> Result<()> {
+    let [x, y] = &report.parameters[..] else {
+        bail!("heat maps show two parameters, not {}", report.parameters.len());
+    };
+    let label = |name: &str| match name {
+        "capillary_number" => "Ca".to_owned(),
+        "confinement" => "a/l".to_owned(),
+        other => other.to_owned(),
+    };
+    let (x, y) = (label(x), label(y));
+    let size = cell_size(report);
     std::fs::create_dir_all(folder).with_context(|| format!("could not create {}", folder.display()))?;
     for (method, samples) in &report.values {
         for frame in ["lab", "shape"] {
@@ -114,12 +121,25 @@ fn plot(folder: &Path, report: &Report) -> Result<()> {
                     } else {
                         &sample.shape_percent
                     };
-                    (sample.capillary_number, sample.confinement, percent[i])
+                    (sample.parameters[0], sample.parameters[1], percent[i])
                 });
-                Panel::Cells(Cells::new(&title, "Ca", "a/l", "% of a", (0.01, 0.05), cells.collect()))
+                Panel::Cells(Cells::new(&title, &x, &y, "% of a", size, cells.collect()))
             });
             Figure::new(panels.collect()).save(&folder.join(format!("leave_one_out_{method}_{frame}.svg")))?;
         }
     }
     Ok(())
+}
+
+/// Size of a sample's cell: the steps of the paper's grid, or a twentieth of the samples' ranges.
+fn cell_size(report: &Report) -> (f64, f64) {
+    if report.parameters == ["capillary_number", "confinement"] {
+        return (0.01, 0.05);
+    }
+    let share = |d: usize| {
+        let values = report.values.values().flatten().map(|sample| sample.parameters[d]);
+        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+        (high - low) / 20.0
+    };
+    (share(0), share(1))
 }

@@ -160,13 +160,63 @@ fn questions_without_an_answer_are_refused() {
     fails(
         "predict --ca 0.10 --confinement 2 --t 1",
         1,
-        &["a/l = 2", "[0.75, 1.2]"],
+        &["confinement = 2", "[0.75, 1.2]"],
     );
     fails("predict --ca -0.10 --confinement 0.9 --t 1", 1, &["-0.1"]);
     fails("predict --ca 0.19 --confinement 1.1 --t 1", 1, &["steady"]);
     fails("predict --ca NaN --confinement 0.9 --t 1", 1, &["capillary"]);
     fails("predict --ca 0.1 --confinement 0.9 --t 21", 1, &["21", "20"]);
     json("predict --ca 0.04 --confinement 1.21 --t 1 --extrapolate --json");
+}
+
+#[test]
+fn series_that_were_written_become_a_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let mut table = "series,ca,al\n".to_owned();
+    for ca in [0.04, 0.06, 0.08] {
+        for al in [0.8, 0.85, 0.9] {
+            let series = at(&format!("{ca}-{al}"));
+            json(&format!(
+                "predict --ca {ca} --confinement {al} --t 0,1,2,3 --vtu {series} --json"
+            ));
+            table += &format!("{ca}-{al}/capsule.pvd,{ca},{al}\n");
+        }
+    }
+    std::fs::write(at("parameters.csv"), table).unwrap();
+    let (from, model) = (folder.path().display(), at("series.crom"));
+    let report = json(&format!("offline build --from {from} --out {model} --quiet --json"));
+    assert_eq!(
+        (&report["samples"], &report["symmetry"]),
+        (&Value::from(9), &Value::from(8))
+    );
+    let errors = json(&format!("study leave-one-out --from {from} --quiet --json"));
+    assert_eq!(errors["parameters"], serde_json::json!(["ca", "al"]));
+
+    let own = json("predict --ca 0.05 --confinement 0.87 --t 2 --json");
+    let query = format!("predict --model {model} --parameters al=0.87,ca=0.05 --t 2");
+    let other = json(&format!("{query} --json"));
+    assert_eq!(other["units"]["length"], "length unit");
+    for name in ["axial_length", "half_width", "velocity", "volume"] {
+        let [own, other] = [&own, &other].map(|answer| answer["instants"][0][name].as_f64().unwrap());
+        assert!((own - other).abs() < 5e-3, "{name}: {own} {other}");
+    }
+    fails(&format!("{query} --fields tension"), 1, &["sphere"]);
+    let query = |parameters: &str| format!("predict --model {model} --parameters {parameters} --t 2");
+    fails(&query("al=0.87"), 1, &["`ca` is missing"]);
+    fails(&query("al=0.87,ca=0.05,re=1"), 1, &["no parameter `re`", "ca, al"]);
+    fails(&query("al=0.87,ca=0.2"), 1, &["ca = 0.2", "[0.04, 0.08]"]);
+    fails(&query("al=0.87,ca"), 2, &["NAME=VALUE"]);
+    fails(
+        &format!("predict --model {model} --ca 0.05 --confinement 0.87 --t 2"),
+        1,
+        &["capillary_number", "ca, al"],
+    );
+    fails(
+        "offline build --from nowhere.txt --out x.crom",
+        1,
+        &["nowhere.txt", ".npz"],
+    );
 }
 
 #[test]

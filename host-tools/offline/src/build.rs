@@ -1,7 +1,8 @@
 //! From a database to a model file.
 
 use capsule_core::Model;
-use capsule_database::Database;
+use capsule_core::model::wire::Reference;
+use capsule_database::{Collection, Database};
 use serde::Serialize;
 
 use crate::border::{Jump, border, jumps};
@@ -9,9 +10,9 @@ use crate::hausdorff::Sector;
 use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
 use crate::limit::{SteadyLimit, curve, steady_limits};
 use crate::pod::{DoublePod, Rule, Snapshots};
-use crate::samples::{Part, SAME_ROW, Sample, clusters, read};
+use crate::samples::{Part, SAME_ROW, Sample, clusters, common_symmetry, of_collection, read};
 use crate::spectra::laboratory;
-use crate::writer::{ClusterParts, Domain, ErrorParts, MeshParts, Numbers, write};
+use crate::writer::{ClusterParts, Domain, ErrorParts, MeshParts, Numbers, Units, write};
 use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum, Truncation};
 
 /// What a build found.
@@ -21,8 +22,16 @@ pub struct BuildReport {
     pub samples: usize,
     /// Those of them that never became steady.
     pub unsteady_samples: usize,
+    /// Instants of the snapshots, and the last of them.
+    pub instants: usize,
+    /// See [`BuildReport::instants`].
+    pub end_time: f64,
+    /// Order of the symmetry that mesh and snapshots have: 8 for the whole square, 1 for none.
+    pub symmetry: usize,
     /// The instants of the leave-one-out errors.
     pub error_times: Vec<f64>,
+    /// The parameter along which the clusters follow each other.
+    pub cluster_parameter: String,
     /// The bracket of the steady limit in each row of confinements.
     pub steady_limit: Vec<SteadyLimit>,
     /// Length of the file.
@@ -44,8 +53,8 @@ pub struct BuildReport {
 /// One cluster.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClusterReport {
-    /// Least and greatest confinement.
-    pub confinement: [f64; 2],
+    /// Least and greatest value of the parameter along which the clusters follow each other: a/l, or the first.
+    pub range: [f64; 2],
     /// Samples.
     pub samples: usize,
     /// The displacement's reduction.
@@ -69,22 +78,58 @@ pub struct FieldReport {
     pub parameter_error: f64,
 }
 
-/// Builds a model from the configurations of a database: the bytes of the file, and a report.
+/// Where a model's samples come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Source<'a> {
+    /// Capsules in the channel, over (Ca, a/l).
+    Database(&'a Database),
+    /// Other people's data.
+    Collection(&'a Collection),
+}
+
+impl Source<'_> {
+    /// The parameters' names.
+    #[must_use]
+    pub fn parameter_names(&self) -> Vec<String> {
+        match self {
+            Source::Database(database) => database
+                .description()
+                .parameters
+                .iter()
+                .map(|p| p.name.clone())
+                .collect(),
+            Source::Collection(collection) => collection.parameter_names.clone(),
+        }
+    }
+}
+
+impl<'a> From<&'a Database> for Source<'a> {
+    fn from(database: &'a Database) -> Self {
+        Source::Database(database)
+    }
+}
+
+impl<'a> From<&'a Collection> for Source<'a> {
+    fn from(collection: &'a Collection) -> Self {
+        Source::Collection(collection)
+    }
+}
+
+/// Builds a model from the configurations of a database or a collection: the bytes of the file, and a report.
 ///
-/// Equal databases and settings give equal bytes.
+/// Equal data and settings give equal bytes.
 ///
 /// # Errors
 /// [`OfflineError`]: too few samples, snapshots without the symmetry of their mesh, settings without meaning, or a
 /// damaged database.
-pub fn build(
-    database: &Database,
+pub fn build<'a>(
+    source: impl Into<Source<'a>>,
     settings: &Settings,
     progress: Progress,
 ) -> Result<(Vec<u8>, BuildReport), OfflineError> {
-    let plan = Plan::new(database, settings, progress)?;
+    let plan = Plan::new(source.into(), settings, progress)?;
     progress("singular values", 0, 2);
-    let nodes = database.mesh().nodes.len();
-    let mut spectra = laboratory(&plan.samples, plan.mesh.scales(), nodes)?;
+    let mut spectra = laboratory(&plan.samples, plan.mesh.scales(), plan.nodes)?;
     progress("singular values", 1, 2);
     let reduced = plan.reduce()?;
     progress("singular values", 2, 2);
@@ -107,11 +152,11 @@ pub fn build(
             for j in &cluster.part.members {
                 let sample = &plan.samples[*j];
                 let failed = |source| OfflineError::Evaluate {
-                    parameters: sample.parameters,
+                    parameters: sample.parameters.clone(),
                     source,
                 };
                 let (distances, _) =
-                    errors(&model, sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
+                    errors(&model, &sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
                 sum += distances.iter().sum::<f64>() / distances.len() as f64;
             }
             floors[m] = sum / cluster.part.members.len() as f64;
@@ -137,7 +182,7 @@ pub fn build(
             });
         }
         reports.push(ClusterReport {
-            confinement: cluster.part.range,
+            range: cluster.part.range,
             samples: cluster.part.members.len(),
             displacement: field_report(&cluster.displacement, displacement),
             velocity: field_report(&cluster.velocity, velocity),
@@ -150,7 +195,11 @@ pub fn build(
     let report = BuildReport {
         samples: plan.samples.len(),
         unsteady_samples: plan.samples.iter().filter(|s| !s.steady).count(),
+        instants: plan.domain.times.len(),
+        end_time: plan.domain.times.last().copied().unwrap_or(0.0),
+        symmetry: plan.symmetry,
         error_times: plan.error_times().to_vec(),
+        cluster_parameter: plan.domain.names[settings.split.map_or(0, |split| split.parameter)].clone(),
         steady_limit: plan.brackets,
         jumps: plan.jumps,
         bytes: bytes.len(),
@@ -192,6 +241,8 @@ pub(crate) struct Plan<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) samples: Vec<Sample>,
     pub(crate) sector: Sector,
+    /// The order of the symmetry.
+    symmetry: usize,
     mesh: MeshParts,
     domain: Domain,
     brackets: Vec<SteadyLimit>,
@@ -214,30 +265,41 @@ pub(crate) struct Built {
 }
 
 impl<'a> Plan<'a> {
-    pub(crate) fn new(database: &Database, settings: &'a Settings, progress: Progress) -> Result<Self, OfflineError> {
+    pub(crate) fn new(source: Source, settings: &'a Settings, progress: Progress) -> Result<Self, OfflineError> {
         settings.validate()?;
+        match source {
+            Source::Database(database) => Self::of_database(database, settings, progress),
+            Source::Collection(collection) => Self::of_collection(collection, settings, progress),
+        }
+    }
+
+    fn of_database(database: &Database, settings: &'a Settings, progress: Progress) -> Result<Self, OfflineError> {
         check_parameters(database)?;
-        let mesh = MeshParts::new(database)?;
+        let symmetry = database.symmetry();
+        let mesh = MeshParts::new(database.mesh(), symmetry, Reference::Sphere)?;
+        let names = Source::Database(database).parameter_names();
         let entries = database.entries()?;
         let brackets = steady_limits(&entries);
         let has = |time: f64| database.times().iter().any(|t| (t - time).abs() < SAME_TIME);
         let error_times: Vec<f64> = settings.error_times.iter().copied().filter(|t| has(*t)).collect();
         let samples = read(database, &entries, &brackets, settings, &error_times, progress)?;
-        let parts = clusters(&samples, settings.split)?;
+        let parts = clusters(&samples, settings.split, &names)?;
         let range = |d: usize| {
             let values = samples.iter().filter(|s| s.steady).map(|s| s.parameters[d]);
             let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
             [low.max(settings.domain[d][0]), high.min(settings.domain[d][1])]
         };
-        let ranges = [range(0), range(1)];
+        let ranges = vec![range(0), range(1)];
         if ranges.iter().any(|[low, high]| low > high) || error_times.is_empty() {
             return Err(OfflineError::Unsampled {
-                domain: settings.domain,
+                domain: settings.domain.clone(),
                 error_times: settings.error_times.clone(),
             });
         }
         let jumps = jumps(&samples);
         let domain = Domain {
+            names,
+            units: Units::channel(),
             ranges,
             border: border(&jumps, &samples.iter().map(|s| s.parameters[1]).collect::<Vec<_>>()),
             steady_limit: curve(&brackets),
@@ -245,20 +307,59 @@ impl<'a> Plan<'a> {
             error_times,
             database_digest: format!("{:016x}", database.digest()?),
         };
-        let symmetry = database.symmetry();
-        let sector = Sector {
-            nodes: symmetry.sector.clone(),
-            orbits: symmetry.orbit_sizes().iter().map(|size| f64::from(*size)).collect(),
-        };
         Ok(Plan {
             settings,
-            sector,
+            sector: Sector::of(symmetry),
+            symmetry: symmetry.order(),
             mesh,
             domain,
             brackets,
             jumps,
             parts,
             nodes: database.mesh().nodes.len(),
+            samples,
+        })
+    }
+
+    fn of_collection(
+        collection: &Collection,
+        settings: &'a Settings,
+        progress: Progress,
+    ) -> Result<Self, OfflineError> {
+        let (reference, radius) = collection.reference()?;
+        let symmetry = common_symmetry(collection, &reference, radius);
+        let mesh = MeshParts::new(&reference, &symmetry, Reference::Shape { radius })?;
+        let times = settings.error_times.iter().copied();
+        let error_times: Vec<f64> = times.filter(|t| collection.times.contains(t)).collect();
+        if error_times.is_empty() {
+            return Err(OfflineError::Unsampled {
+                domain: settings.domain.clone(),
+                error_times: settings.error_times.clone(),
+            });
+        }
+        let samples = of_collection(collection, &reference, &symmetry, &error_times, progress)?;
+        let names = collection.parameter_names.clone();
+        let parts = clusters(&samples, settings.split, &names)?;
+        let domain = Domain {
+            names,
+            units: Units::new(collection.length_unit.as_deref(), collection.time_unit.as_deref()),
+            ranges: collection.ranges(),
+            border: Vec::new(),
+            steady_limit: Vec::new(),
+            times: collection.times.clone(),
+            error_times,
+            database_digest: format!("{:016x}", collection.digest()),
+        };
+        Ok(Plan {
+            settings,
+            sector: Sector::of(&symmetry),
+            symmetry: symmetry.order(),
+            mesh,
+            domain,
+            brackets: Vec::new(),
+            jumps: Vec::new(),
+            parts,
+            nodes: reference.nodes.len(),
             samples,
         })
     }
@@ -270,15 +371,15 @@ impl<'a> Plan<'a> {
 
     /// Whether a sample lies in the domain that the model answers for.
     pub(crate) fn inside(&self, sample: &Sample) -> bool {
-        let [capillary_number, confinement] = sample.parameters;
-        let row = self
-            .brackets
-            .iter()
-            .find(|row| (row.confinement - confinement).abs() <= SAME_ROW);
-        let limit = row.and_then(|row| row.largest_steady_ca).unwrap_or(0.0);
-        let ranges = sample.parameters.iter().zip(self.domain.ranges);
+        let below_limit = || {
+            let [capillary_number, confinement] = [sample.parameters[0], sample.parameters[1]];
+            let in_row = |row: &&SteadyLimit| (row.confinement - confinement).abs() <= SAME_ROW;
+            let row = self.brackets.iter().find(in_row);
+            capillary_number <= row.and_then(|row| row.largest_steady_ca).unwrap_or(0.0) + SAME_ROW
+        };
+        let ranges = sample.parameters.iter().zip(&self.domain.ranges);
         let mut within = ranges.map(|(v, [low, high])| *v > low - SAME_ROW && *v < high + SAME_ROW);
-        capillary_number <= limit + SAME_ROW && within.all(|within| within)
+        within.all(|within| within) && (self.brackets.is_empty() || below_limit())
     }
 
     /// How displacement and velocity are truncated.
@@ -318,9 +419,9 @@ impl<'a> Plan<'a> {
         let rules = self.rules();
         let displacement = cluster.displacement.reduce(keep, rules[0])?;
         let velocity = cluster.velocity.reduce(keep, rules[1])?;
-        let parameters: Vec<[f64; 2]> = keep
+        let parameters: Vec<&[f64]> = keep
             .iter()
-            .map(|j| self.samples[cluster.part.members[*j]].parameters)
+            .map(|j| &self.samples[cluster.part.members[*j]].parameters[..])
             .collect();
         let fields = [(&cluster.displacement, &displacement), (&cluster.velocity, &velocity)];
         let errors = self.error_times().len();
@@ -342,11 +443,12 @@ impl<'a> Plan<'a> {
         write(self.settings, &self.domain, &self.mesh, clusters)
     }
 
-    /// The cluster that answers a query at a confinement: the first that reaches up to it.
-    pub(crate) fn answering(&self, confinement: f64) -> usize {
+    /// The cluster that answers a query: the first that reaches up to it.
+    pub(crate) fn answering(&self, parameters: &[f64]) -> usize {
+        let value = parameters[self.settings.split.map_or(0, |split| split.parameter)];
         self.parts
             .iter()
-            .position(|part| confinement <= part.range[1] + SAME_ROW)
+            .position(|part| value <= part.range[1] + SAME_ROW)
             .unwrap_or(0)
     }
 }

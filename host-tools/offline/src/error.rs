@@ -17,17 +17,19 @@ pub enum OfflineError {
         found: Vec<String>,
     },
     /// No sample lies in the domain, or no snapshot at an instant of the errors.
-    #[error("no sample in Ca {:?}, a/l {:?}, or no snapshot at any of t = {error_times:?}", domain[0], domain[1])]
+    #[error("no sample in the domain {domain:?}, or no snapshot at any of t = {error_times:?}")]
     Unsampled {
         /// The domain that was asked for.
-        domain: [[f64; 2]; 2],
+        domain: Vec<[f64; 2]>,
         /// The instants of the errors that were asked for.
         error_times: Vec<f64>,
     },
     /// There are too few configurations.
-    #[error("{found} configurations with a/l in [{}, {}]; at least {needed} are needed", range[0], range[1])]
+    #[error("{found} configurations with {parameter} in [{}, {}]; at least {needed} are needed", range[0], range[1])]
     TooFewSamples {
-        /// The confinements of the cluster.
+        /// The parameter along which the clusters follow each other.
+        parameter: String,
+        /// Its range in the cluster.
         range: [f64; 2],
         /// How many there are.
         found: usize,
@@ -90,7 +92,7 @@ pub enum OfflineError {
     #[error("the new model cannot be evaluated at {parameters:?}: {source}")]
     Evaluate {
         /// The configuration.
-        parameters: [f64; 2],
+        parameters: Vec<f64>,
         /// The core's answer.
         source: EvaluateError,
     },

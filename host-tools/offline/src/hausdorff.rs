@@ -1,5 +1,7 @@
 //! The distance between two shapes.
 
+use capsule_database::Symmetry;
+
 /// The modified Hausdorff distance between two sets of points, in their unit (paper, eqs. 52 to 54, where eq. 52 is
 /// meant to take the maximum of both directions): the mean distance of the points of one set to the nearest of the
 /// other, in the direction in which it is larger.
@@ -34,6 +36,16 @@ pub fn modified_hausdorff(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 pub(crate) struct Sector {
     pub(crate) nodes: Vec<u32>,
     pub(crate) orbits: Vec<f64>,
+}
+
+impl Sector {
+    /// The sector of a symmetry.
+    pub(crate) fn of(symmetry: &Symmetry) -> Self {
+        Sector {
+            nodes: symmetry.sector.clone(),
+            orbits: symmetry.orbit_sizes().iter().map(|size| f64::from(*size)).collect(),
+        }
+    }
 }
 
 /// [`modified_hausdorff`] of two sets of equally many points that have the same symmetry: the same number from the points

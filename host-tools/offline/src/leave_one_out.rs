@@ -2,17 +2,16 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use capsule_core::interpolate::{Plane, Weights};
+use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::wire::Method;
-use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
-use capsule_database::Database;
+use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Parameters, Query, Scene, Workspace};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::build::{Plan, Reduced};
 use crate::hausdorff::{Sector, symmetric_modified_hausdorff};
 use crate::samples::Truth;
-use crate::{OfflineError, Progress, Settings};
+use crate::{OfflineError, Progress, Settings, Source};
 
 /// The methods, in the order of the file's error tables.
 pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
@@ -27,8 +26,8 @@ const DIVERGED: f64 = 1e3;
 /// The errors of one method at one sample, predicted without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// (Ca, a/l) of the sample.
-    pub parameters: [f64; 2],
+    /// The sample's parameters: (Ca, a/l), or those of other people's data.
+    pub parameters: Vec<f64>,
     /// The cluster that was built without it, counted from 0. A sample of the shared row occurs once for each cluster.
     pub cluster: usize,
     /// Whether this is the cluster that answers a query at the sample.
@@ -53,12 +52,12 @@ pub struct LeftOut {
 ///
 /// # Errors
 /// As [`crate::build`].
-pub fn leave_one_out(
-    database: &Database,
+pub fn leave_one_out<'a>(
+    source: impl Into<Source<'a>>,
     settings: &Settings,
     progress: Progress,
 ) -> Result<(Vec<f64>, Vec<LeftOut>), OfflineError> {
-    let plan = Plan::new(database, settings, progress)?;
+    let plan = Plan::new(source.into(), settings, progress)?;
     let reduced = plan.reduce()?;
     let errors = plan_leave_one_out(&plan, &reduced, progress)?;
     Ok((plan.error_times().to_vec(), errors))
@@ -92,23 +91,23 @@ fn leave_out(plan: &Plan, index: usize, cluster: &Reduced, out: usize) -> Result
     let bytes = plan.write(&[&parts])?;
     let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
     let sample = &plan.samples[cluster.part.members[out]];
-    let all: Vec<[f64; 2]> = cluster
+    let all: Vec<&[f64]> = cluster
         .part
         .members
         .iter()
-        .map(|j| plan.samples[*j].parameters)
+        .map(|j| &plan.samples[*j].parameters[..])
         .collect();
     let predicted = |method| {
         let failed = |source| OfflineError::Evaluate {
-            parameters: sample.parameters,
+            parameters: sample.parameters.clone(),
             source,
         };
         let (laboratory, shape) =
-            errors(&model, sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
+            errors(&model, &sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
         Ok::<LeftOut, OfflineError>(LeftOut {
-            parameters: sample.parameters,
+            parameters: sample.parameters.clone(),
             cluster: index,
-            answers: plan.answering(sample.parameters[1]) == index,
+            answers: plan.answering(&sample.parameters) == index,
             inside: plan.inside(sample),
             method,
             laboratory,
@@ -122,16 +121,18 @@ fn leave_out(plan: &Plan, index: usize, cluster: &Reduced, out: usize) -> Result
 /// The distances of a prediction from the truth at its instants, as fractions of a: laboratory frame, centroid frame.
 pub(crate) fn errors(
     model: &Model,
-    parameters: [f64; 2],
+    parameters: &[f64],
     method: Method,
     truth: &[Truth],
     sector: &Sector,
 ) -> Result<(Vec<f64>, Vec<f64>), EvaluateError> {
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
+    let parameters = given(parameters, model)?;
+    let radius = model.radius(parameters);
     evaluator.prepare(&Query {
         extrapolate: true,
-        ..Query::new(parameters[0], parameters[1], method)
+        ..Query::new(parameters, method)
     })?;
     let (mut laboratory, mut shape) = (Vec::new(), Vec::new());
     for truth in truth {
@@ -150,26 +151,35 @@ pub(crate) fn errors(
             other => other?,
         };
         let centroid = instant.centroid();
-        laboratory
-            .push((symmetric_modified_hausdorff(&predicted, &truth.positions, sector) / parameters[1]).min(DIVERGED));
+        laboratory.push((symmetric_modified_hausdorff(&predicted, &truth.positions, sector) / radius).min(DIVERGED));
         for p in &mut predicted {
             p[0] -= centroid - truth.centroid;
         }
-        shape.push((symmetric_modified_hausdorff(&predicted, &truth.positions, sector) / parameters[1]).min(DIVERGED));
+        shape.push((symmetric_modified_hausdorff(&predicted, &truth.positions, sector) / radius).min(DIVERGED));
     }
     Ok((laboratory, shape))
 }
 
 /// The deviation of the weights with which sample `out` is predicted from the others.
-fn deviation(model: &Model, samples: &[[f64; 2]], out: usize, method: Method) -> Result<f64, EvaluateError> {
-    let (all, query, contents) = (samples.iter().copied(), samples[out], model.contents());
-    let plane = Plane::new(contents);
+fn deviation(model: &Model, samples: &[&[f64]], out: usize, method: Method) -> Result<f64, EvaluateError> {
+    let samples = samples.iter().map(|sample| given(sample, model));
+    let samples: Vec<Parameters<f64>> = samples.collect::<Result<_, _>>()?;
+    let (all, query, contents) = (samples.iter().copied(), &samples[out], model.contents());
+    let coordinates = Coordinates::new(contents);
     let weights = match method {
         Method::Direct => {
             let mut scratch = vec![0.0; NEIGHBOURS * NEIGHBOURS];
-            Weights::<f64, NEIGHBOURS>::kernel(&contents.kernel, &plane, all, query, Some(out), &mut scratch)?
+            Weights::<f64, NEIGHBOURS>::kernel(&contents.kernel, &coordinates, all, query, Some(out), &mut scratch)?
         }
-        Method::Paper => Weights::diffuse(&contents.paper, &plane, all, query, Some(out))?,
+        Method::Paper => Weights::diffuse(&contents.paper, &coordinates, all, query, Some(out))?,
     };
     Ok(weights.deviation())
+}
+
+/// Parameters as the core takes them.
+fn given(parameters: &[f64], model: &Model) -> Result<Parameters<f64>, EvaluateError> {
+    Parameters::new(parameters).ok_or(EvaluateError::ParameterCount {
+        expected: model.contents().metadata.parameters.len(),
+        found: parameters.len(),
+    })
 }

@@ -1,4 +1,4 @@
-//! The offline stage: from a database of snapshots to one model file.
+//! The offline stage: from a database of snapshots, or from other people's data, to one model file.
 //!
 //! [`build`] reads the steady configurations of a database, splits them into two clusters that share a row of
 //! confinements, reduces each by the double POD of the paper (Boubehziz et al., Entropy 2021, 23, 1193, eqs. 15 to 22),
@@ -26,12 +26,12 @@ mod svd;
 mod writer;
 
 pub use border::Jump;
-pub use build::{BuildReport, ClusterReport, FieldReport, build};
+pub use build::{BuildReport, ClusterReport, FieldReport, Source, build};
 pub use error::OfflineError;
 pub use hausdorff::modified_hausdorff;
 pub use leave_one_out::{LeftOut, leave_one_out};
 pub use limit::{SteadyLimit, steady_limits};
-pub use settings::{Design, Ranks, Settings, Storage, Truncation};
+pub use settings::{Design, Ranks, Settings, Split, Storage, Truncation};
 pub use spectra::{Spectrum, one_minus_ric};
 
 /// Progress of a long task: what is done, how many steps of it are finished, and of how many.

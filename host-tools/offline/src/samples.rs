@@ -1,11 +1,11 @@
 //! The samples: configurations of a database as states over the sector's nodes.
 
-use capsule_database::{Database, Entry, Trajectory};
+use capsule_database::{Collection, Database, Entry, Mesh, Symmetry, Trajectory};
 use faer::Mat;
 use rayon::prelude::*;
 
 use crate::limit::SteadyLimit;
-use crate::settings::Design;
+use crate::settings::{Design, Split};
 use crate::{OfflineError, Progress, Settings};
 
 /// A field counts as symmetric below this deviation of a component (l or V). Databases keep fields to 2.4e-7.
@@ -25,8 +25,8 @@ pub(crate) struct State {
 
 /// One configuration.
 pub(crate) struct Sample {
-    /// (Ca, a/l)
-    pub(crate) parameters: [f64; 2],
+    /// (Ca, a/l), or those of other people's data.
+    pub(crate) parameters: Vec<f64>,
     pub(crate) steady: bool,
     /// How far the rear pole lies before the rearmost point at the end, as a fraction of a.
     pub(crate) rear_depth: f64,
@@ -117,7 +117,7 @@ fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Resu
     let times = database.times();
     let end = stored.times.last().copied().unwrap_or(0.0);
     let trajectory = stored.extended(mesh, times)?;
-    let [capillary_number, confinement] = [stored.parameters[0], stored.parameters[1]];
+    let confinement = stored.parameters[1];
 
     let mut speeds: Vec<f64> = Vec::with_capacity(times.len());
     for i in 0..times.len() {
@@ -128,42 +128,121 @@ fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Resu
         };
         speeds.push(speed);
     }
-    let scales: Vec<f64> = symmetry.orbit_sizes().iter().map(|w| f64::from(*w).sqrt()).collect();
-    let sector = &symmetry.sector;
-    let root = (mesh.nodes.len() as f64).sqrt();
-    let displacement = State {
-        translation: trajectory.centroid.iter().map(|x| root * x).collect(),
-        shape: Mat::from_fn(3 * sector.len(), times.len(), |row, i| {
-            let (s, d) = (row / 3, row % 3);
-            let node = sector[s] as usize;
-            let origin = if d == 0 { trajectory.centroid[i] } else { 0.0 };
-            scales[s] * (trajectory.positions[i][node][d] - origin - confinement * mesh.nodes[node][d])
-        }),
-    };
-    let velocity = State {
-        translation: speeds.iter().map(|u| root * u).collect(),
-        shape: Mat::from_fn(3 * sector.len(), times.len(), |row, i| {
-            let (s, d) = (row / 3, row % 3);
-            let mean = if d == 0 { speeds[i] } else { 0.0 };
-            scales[s] * (trajectory.velocities[i][sector[s] as usize][d] - mean)
-        }),
-    };
-    let truth = stored.extended(mesh, truth_times)?;
-    let truth = truth.positions.into_iter().zip(truth.times).zip(truth.centroid);
-    let truth = truth
-        .map(|((positions, time), centroid)| Truth {
-            time,
-            positions,
-            centroid,
-        })
-        .collect();
+    let [displacement, velocity] = states(mesh, symmetry, confinement, &trajectory, &speeds);
     Ok(Sample {
-        parameters: [capillary_number, confinement],
+        parameters: stored.parameters.clone(),
         steady: stored.status.is_steady(),
         rear_depth: rear_depth(database, stored) / confinement,
         displacement,
         velocity,
-        truth,
+        truth: truths(stored.extended(mesh, truth_times)?),
+    })
+}
+
+/// The states of a trajectory: displacement from the reference nodes times `scale`, and velocity; `speeds` are the
+/// centroid's.
+fn states(mesh: &Mesh, symmetry: &Symmetry, scale: f64, trajectory: &Trajectory, speeds: &[f64]) -> [State; 2] {
+    let instants = trajectory.times.len();
+    let weights: Vec<f64> = symmetry.orbit_sizes().iter().map(|w| f64::from(*w).sqrt()).collect();
+    let sector = &symmetry.sector;
+    let root = (mesh.nodes.len() as f64).sqrt();
+    let displacement = State {
+        translation: trajectory.centroid.iter().map(|x| root * x).collect(),
+        shape: Mat::from_fn(3 * sector.len(), instants, |row, i| {
+            let (s, d) = (row / 3, row % 3);
+            let node = sector[s] as usize;
+            let origin = if d == 0 { trajectory.centroid[i] } else { 0.0 };
+            weights[s] * (trajectory.positions[i][node][d] - origin - scale * mesh.nodes[node][d])
+        }),
+    };
+    let velocity = State {
+        translation: speeds.iter().map(|u| root * u).collect(),
+        shape: Mat::from_fn(3 * sector.len(), instants, |row, i| {
+            let (s, d) = (row / 3, row % 3);
+            let mean = if d == 0 { speeds[i] } else { 0.0 };
+            weights[s] * (trajectory.velocities[i][sector[s] as usize][d] - mean)
+        }),
+    };
+    [displacement, velocity]
+}
+
+/// A trajectory as what predictions are compared with.
+fn truths(trajectory: Trajectory) -> Vec<Truth> {
+    let instants = trajectory
+        .positions
+        .into_iter()
+        .zip(trajectory.times)
+        .zip(trajectory.centroid);
+    let truth = |((positions, time), centroid)| Truth {
+        time,
+        positions,
+        centroid,
+    };
+    instants.map(truth).collect()
+}
+
+/// The configurations of other people's data, on their reference mesh.
+///
+/// # Errors
+/// The database's errors.
+pub(crate) fn of_collection(
+    collection: &Collection,
+    mesh: &Mesh,
+    symmetry: &Symmetry,
+    truth_times: &[f64],
+    progress: Progress,
+) -> Result<Vec<Sample>, OfflineError> {
+    let count = collection.parameters.len();
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let sample = |configuration: usize| {
+        let trajectory = collection.trajectory(configuration, mesh)?;
+        let moving = trajectory.positions.iter().zip(&trajectory.velocities);
+        let speeds = moving.map(|(positions, velocities)| mesh.centroid_velocity(positions, velocities));
+        let speeds: Vec<f64> = speeds.collect::<Result<_, _>>()?;
+        let [displacement, velocity] = states(mesh, symmetry, 1.0, &trajectory, &speeds);
+        let mut truth = truths(trajectory);
+        truth.retain(|truth| truth_times.contains(&truth.time));
+        progress(
+            "reduce snapshots",
+            1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed),
+            count,
+        );
+        Ok(Sample {
+            parameters: collection.parameters[configuration].clone(),
+            // What it has not stopped doing it may go on doing: nothing is extended.
+            steady: true,
+            rear_depth: 0.0,
+            displacement,
+            velocity,
+            truth,
+        })
+    };
+    (0..count).into_par_iter().map(sample).collect()
+}
+
+/// The symmetry that the mean shape and all snapshots of other people's data have, of the operations of the square.
+pub(crate) fn common_symmetry(collection: &Collection, mesh: &Mesh, radius: f64) -> Symmetry {
+    let unit: Vec<[f64; 3]> = mesh.nodes.iter().map(|node| node.map(|x| x / radius)).collect();
+    let keeps = |fields: &[Vec<Vec<[f64; 3]>>], operation: u8, image: &[u32], size: f64| {
+        let field_keeps = |field: &Vec<[f64; 3]>| {
+            let mut pairs = field.iter().zip(image);
+            pairs.all(|(vector, image)| {
+                let (expected, found) = (capsule_database::apply(operation, *vector), field[*image as usize]);
+                (0..3).all(|d| (expected[d] - found[d]).abs() <= SYMMETRIC * size)
+            })
+        };
+        fields.par_iter().flatten().all(field_keeps)
+    };
+    let speed = collection
+        .velocities
+        .iter()
+        .flatten()
+        .flatten()
+        .flatten()
+        .fold(0.0, |s: f64, v| s.max(v.abs()));
+    Symmetry::detect_where(&unit, |operation, image| {
+        keeps(&collection.positions, operation, image, radius)
+            && keeps(&collection.velocities, operation, image, speed.max(f64::MIN_POSITIVE))
     })
 }
 
@@ -183,7 +262,7 @@ fn rear_depth(database: &Database, stored: &Trajectory) -> f64 {
 /// A part of the parameter domain and the samples in it.
 #[derive(Clone)]
 pub(crate) struct Part {
-    /// Least and greatest confinement.
+    /// Least and greatest value of the parameter along which the clusters follow each other.
     pub(crate) range: [f64; 2],
     /// Indices of the samples.
     pub(crate) members: Vec<usize>,
@@ -195,23 +274,27 @@ pub(crate) struct Part {
 /// # Errors
 /// [`OfflineError::TooFewSamples`] when a cluster has fewer samples than a quadratic has coefficients, and one more that
 /// may be left out.
-pub(crate) fn clusters(samples: &[Sample], split: f64) -> Result<Vec<Part>, OfflineError> {
-    let confinements = || samples.iter().map(|s| s.parameters[1]);
-    let (low, high) = confinements().fold((f64::INFINITY, 0.0), |(a, b), c| (f64::min(a, c), f64::max(b, c)));
-    let ranges = if low < split - SAME_ROW && high > split + SAME_ROW {
-        vec![[low, split], [split, high]]
-    } else {
-        vec![[low, high]]
+pub(crate) fn clusters(samples: &[Sample], split: Option<Split>, names: &[String]) -> Result<Vec<Part>, OfflineError> {
+    let parameter = split.map_or(0, |split| split.parameter);
+    let values = || samples.iter().map(|s| s.parameters[parameter]);
+    let extremes = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values().fold(extremes, |(a, b), c| (f64::min(a, c), f64::max(b, c)));
+    let ranges = match split {
+        Some(Split { value, .. }) if low < value - SAME_ROW && high > value + SAME_ROW => {
+            vec![[low, value], [value, high]]
+        }
+        _ => vec![[low, high]],
     };
     let mut clusters = Vec::new();
     for range in ranges {
         let inside = |c: f64| c >= range[0] - SAME_ROW && c <= range[1] + SAME_ROW;
         let members: Vec<usize> = (0..samples.len())
-            .filter(|j| inside(samples[*j].parameters[1]))
+            .filter(|j| inside(samples[*j].parameters[parameter]))
             .collect();
-        let needed = 7;
+        let needed = (names.len() + 1) * (names.len() + 2) / 2 + 1;
         if members.len() < needed {
             return Err(OfflineError::TooFewSamples {
+                parameter: names[parameter].clone(),
                 range,
                 found: members.len(),
                 needed,

@@ -1,6 +1,7 @@
 //! What can be chosen when a model is built.
 
-use capsule_core::model::wire::{Kernel, Method, Paper};
+use capsule_core::model::wire::{Kernel, MAX_PARAMETERS, Method, Paper};
+use capsule_database::Collection;
 use serde::Serialize;
 
 use crate::OfflineError;
@@ -19,16 +20,16 @@ pub struct Settings {
     pub created_unix_s: u64,
     /// Which configurations take part.
     pub design: Design,
-    /// The domain that the model answers for, where it is sampled: least and greatest Ca, least and greatest a/l. Samples
+    /// The domain that the model answers for, where it is sampled: least and greatest value of each parameter. Samples
     /// beyond it make its borders interior.
-    pub domain: [[f64; 2]; 2],
+    pub domain: Vec<[f64; 2]>,
     /// How far beyond the largest steady Ca of their row unsteady configurations take part, if they are recorded to the
     /// end time. The first of each row halves the error near the limit up to t = 8; more add nothing,
     /// and all of them disturb t = 20.
     pub beyond: f64,
-    /// The confinement at which the two clusters meet. The default is where the initial shape changes from a sphere to
-    /// an ellipsoid.
-    pub split: f64,
+    /// Where two clusters meet, if there are two. The default is the confinement at which the initial shape changes from a
+    /// sphere to an ellipsoid.
+    pub split: Option<Split>,
     /// How many modes are kept.
     pub truncation: Truncation,
     /// How modes and coefficients are stored.
@@ -39,8 +40,18 @@ pub struct Settings {
     pub paper: Paper,
     /// The method that a reader of the model takes unless told otherwise.
     pub default_method: Method,
-    /// The instants at which the leave-one-out errors are measured, in l/V, as far as the database has snapshots there.
+    /// The instants at which the leave-one-out errors are measured, as far as there are snapshots.
     pub error_times: Vec<f64>,
+}
+
+/// A value of a parameter at which the domain is split, because the solution has a kink or a jump there. The samples at
+/// that value belong to both clusters.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Split {
+    /// The parameter's index.
+    pub parameter: usize,
+    /// The value.
+    pub value: f64,
 }
 
 /// Which configurations of a database take part.
@@ -114,9 +125,12 @@ impl Default for Settings {
             membrane_law: "neo-Hookean".to_owned(),
             created_unix_s: 0,
             design: Design::All,
-            domain: [[0.005, 0.20], [0.75, 1.20]],
+            domain: vec![[0.005, 0.20], [0.75, 1.20]],
             beyond: 0.003,
-            split: 0.9,
+            split: Some(Split {
+                parameter: 1,
+                value: 0.9,
+            }),
             truncation: Truncation::Tolerance {
                 displacement: 1e-4,
                 velocity: 1e-3,
@@ -124,11 +138,11 @@ impl Default for Settings {
             storage: Storage::Integer,
             kernel: Kernel {
                 neighbours: 24,
-                capillary_scale: 2.0,
+                scales: [2.0, 1.0, 1.0, 1.0],
             },
             paper: Paper {
                 neighbours: 12,
-                capillary_scale: 1.9,
+                scales: [1.9, 1.0, 1.0, 1.0],
                 radius: 1.2,
                 displacement_rank: 10,
                 velocity_rank: 10,
@@ -140,20 +154,75 @@ impl Default for Settings {
     }
 }
 
+/// Number of instants at which the errors of a model of other people's data are measured.
+const ERROR_INSTANTS: usize = 8;
+
 impl Settings {
+    /// The settings for other people's data: tolerances 1e-4 of the capsule's radius and 1e-3 of the root-mean-square
+    /// velocity, distances in which all parameters have the same range, and one cluster.
+    ///
+    /// # Errors
+    /// [`OfflineError::Database`] for a surface that encloses no volume.
+    pub fn of_collection(collection: &Collection) -> Result<Self, OfflineError> {
+        let (_, radius) = collection.reference()?;
+        let velocities = || collection.velocities.iter().flatten().flatten();
+        let square = velocities().flatten().map(|v| v * v).sum::<f64>() / velocities().count() as f64;
+        let domain = collection.ranges();
+        let mut scales = [1.0; MAX_PARAMETERS];
+        for (scale, [low, high]) in scales.iter_mut().zip(&domain) {
+            *scale = if high > low { 1.0 / (high - low) } else { 1.0 };
+        }
+        // Twice the monomials of degree two and more, as far as the core's workspace holds them.
+        let (kernel, paper) = match domain.len() {
+            1 => (10, 6),
+            2 => (24, 12),
+            3 => (32, 18),
+            _ => (32, 22),
+        };
+        let last = collection.times.len() - 1;
+        let mut instants: Vec<usize> = (1..=ERROR_INSTANTS)
+            .map(|k| (k * last).div_ceil(ERROR_INSTANTS))
+            .collect();
+        instants.dedup();
+        let standard = Settings::default();
+        Ok(Settings {
+            title: "Capsules from other people's data".to_owned(),
+            membrane_law: "not stated".to_owned(),
+            domain,
+            split: None,
+            truncation: Truncation::Tolerance {
+                displacement: 1e-4 * radius,
+                velocity: 1e-3 * square.sqrt(),
+            },
+            kernel: Kernel {
+                neighbours: kernel,
+                scales,
+            },
+            paper: Paper {
+                neighbours: paper,
+                scales,
+                ..standard.paper
+            },
+            error_times: instants.into_iter().map(|i| collection.times[i]).collect(),
+            ..standard
+        })
+    }
+
     /// Checks what the types leave open.
     pub(crate) fn validate(&self) -> Result<(), OfflineError> {
         let bad = |name, value, expected| Err(OfflineError::BadSetting { name, value, expected });
-        for ([low, high], name) in self.domain.into_iter().zip(["domain of Ca", "domain of a/l"]) {
-            if !(low > 0.0 && low <= high && high.is_finite()) {
-                return bad(name, low, "positive bounds, the lower one first");
+        for [low, high] in &self.domain {
+            if !(low.is_finite() && low <= high && high.is_finite()) {
+                return bad("domain", *low, "finite bounds, the lower one first");
             }
         }
         if !(self.beyond.is_finite() && self.beyond >= 0.0) {
             return bad("beyond", self.beyond, "a number that is not negative");
         }
-        if !(self.split.is_finite() && self.split > 0.0) {
-            return bad("split", self.split, "a positive confinement");
+        if let Some(Split { parameter, value }) = self.split
+            && !(parameter < self.domain.len() && value.is_finite())
+        {
+            return bad("split", value, "a finite value of one of the parameters");
         }
         match self.truncation {
             Truncation::Tolerance { displacement, velocity } => {

@@ -2,17 +2,17 @@
 
 use capsule_core::model::encode;
 use capsule_core::model::wire::{
-    Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Mesh, Metadata, NodeSet, Parameter,
+    self, Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference,
 };
 use capsule_core::{DIAGONAL, MIDPLANE};
-use capsule_database::Database;
+use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
 
 use crate::pod::{DoublePod, Snapshots, product};
 use crate::settings::Storage;
 use crate::{OfflineError, Settings};
 
-/// A reference coordinate closer to a plane than this lies on it (unit sphere).
+/// A reference coordinate closer to a plane than this share of the radius lies on it.
 const ON_PLANE: f64 = 1e-9;
 
 /// A matrix as the file holds it, row-major.
@@ -75,12 +75,14 @@ impl Numbers {
 /// The mesh as the file holds it.
 pub(crate) struct MeshParts {
     nodes: usize,
+    element_nodes: usize,
     elements: Vec<u8>,
+    reference: Reference,
     sector_reference: Numbers,
     sector_nodes: Vec<u8>,
     representative: Vec<u8>,
     operation: Vec<u8>,
-    outlines: [(&'static str, Vec<u8>); 2],
+    outlines: Vec<(&'static str, Vec<u8>)>,
     scales: Vec<f64>,
 }
 
@@ -91,9 +93,8 @@ fn indices<'a>(values: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
 
 impl MeshParts {
     /// # Errors
-    /// [`OfflineError::TooManyNodes`] or [`OfflineError::NoOutline`].
-    pub(crate) fn new(database: &Database) -> Result<Self, OfflineError> {
-        let (mesh, symmetry) = (database.mesh(), database.symmetry());
+    /// [`OfflineError::TooManyNodes`]; [`OfflineError::NoOutline`] for a sphere, while another shape may be without outlines.
+    pub(crate) fn new(mesh: &Mesh, symmetry: &Symmetry, reference: Reference) -> Result<Self, OfflineError> {
         let limit = usize::from(u16::MAX) + 1;
         if mesh.nodes.len() > limit {
             return Err(OfflineError::TooManyNodes {
@@ -101,20 +102,26 @@ impl MeshParts {
                 limit,
             });
         }
-        let midplane = outline(MIDPLANE, &mesh.nodes, |[_, y, z]| z.abs() < ON_PLANE && y > -ON_PLANE)?;
-        let diagonal = outline(DIAGONAL, &mesh.nodes, |[_, y, z]| {
-            (y - z).abs() < ON_PLANE && y > -ON_PLANE
-        })?;
+        let outlines = match reference {
+            Reference::Sphere => outlines(&mesh.nodes, 1.0)?,
+            // Nodes stay in the planes of the outlines by symmetry alone.
+            Reference::Shape { radius } if symmetry.order() == 8 => outlines(&mesh.nodes, radius).unwrap_or_default(),
+            Reference::Shape { .. } => Vec::new(),
+        };
+        let flat = mesh.elements.iter().all(Mesh::is_flat);
+        let element_nodes = if flat { 3 } else { 6 };
         Ok(MeshParts {
             nodes: mesh.nodes.len(),
-            elements: indices(mesh.elements.as_flattened()),
+            element_nodes,
+            elements: indices(mesh.elements.iter().flat_map(|element| &element[..element_nodes])),
+            reference,
             sector_reference: Numbers::new(symmetry.sector.len(), 3, |s, d| {
                 mesh.nodes[symmetry.sector[s] as usize][d]
             }),
             sector_nodes: indices(&symmetry.sector),
             representative: indices(&symmetry.representative),
             operation: symmetry.operation.clone(),
-            outlines: [(MIDPLANE, indices(&midplane)), (DIAGONAL, indices(&diagonal))],
+            outlines,
             scales: symmetry.orbit_sizes().iter().map(|w| f64::from(*w).sqrt()).collect(),
         })
     }
@@ -124,10 +131,12 @@ impl MeshParts {
         &self.scales
     }
 
-    fn wire(&self) -> Mesh<'_> {
-        Mesh {
+    fn wire(&self) -> wire::Mesh<'_> {
+        wire::Mesh {
             nodes: self.nodes as u32,
+            element_nodes: self.element_nodes as u8,
             elements: Blob::new(&self.elements),
+            reference: self.reference,
             sector_reference: self.sector_reference.matrix(),
             sector_nodes: Blob::new(&self.sector_nodes),
             representative: Blob::new(&self.representative),
@@ -144,17 +153,29 @@ impl MeshParts {
     }
 }
 
-/// The nodes of a half plane through the axis, from the front pole to the rear pole.
+/// The two outlines of a shape of a radius.
+fn outlines(nodes: &[[f64; 3]], radius: f64) -> Result<Vec<(&'static str, Vec<u8>)>, OfflineError> {
+    let on = ON_PLANE * radius;
+    let midplane = outline(MIDPLANE, nodes, on, |[_, y, z]| z.abs() < on && y > -on)?;
+    let diagonal = outline(DIAGONAL, nodes, on, |[_, y, z]| (y - z).abs() < on && y > -on)?;
+    Ok(vec![(MIDPLANE, indices(&midplane)), (DIAGONAL, indices(&diagonal))])
+}
+
+/// The nodes of a half plane through the axis, from the front pole to the rear pole: by the angle from the axis, around the
+/// origin, which is the centroid.
 fn outline(
     name: &'static str,
     nodes: &[[f64; 3]],
+    on_axis: f64,
     lies_on: impl Fn([f64; 3]) -> bool,
 ) -> Result<Vec<u32>, OfflineError> {
     let mut outline: Vec<u32> = (0..nodes.len() as u32)
         .filter(|i| lies_on(nodes[*i as usize]))
         .collect();
-    outline.sort_by(|a, b| nodes[*b as usize][0].total_cmp(&nodes[*a as usize][0]));
-    let pole = |i: Option<&u32>| i.is_some_and(|i| nodes[*i as usize][1].hypot(nodes[*i as usize][2]) < ON_PLANE);
+    let radial = |i: &u32| nodes[*i as usize][1].hypot(nodes[*i as usize][2]);
+    let angle = |i: &u32| radial(i).atan2(nodes[*i as usize][0]);
+    outline.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    let pole = |i: Option<&u32>| i.is_some_and(|i| radial(i) < on_axis);
     if outline.len() < 3 || !pole(outline.first()) || !pole(outline.last()) {
         return Err(OfflineError::NoOutline {
             outline: name,
@@ -238,7 +259,7 @@ impl ClusterParts {
     /// The cluster of the samples at `parameters`, from the double PODs of its two fields; errors unknown.
     pub(crate) fn new(
         range: [f64; 2],
-        parameters: &[[f64; 2]],
+        parameters: &[&[f64]],
         [displacement, velocity]: [(&Snapshots, &DoublePod); 2],
         mesh: &MeshParts,
         error_times: usize,
@@ -254,7 +275,11 @@ impl ClusterParts {
         });
         ClusterParts {
             range,
-            samples: Numbers::new(parameters.len(), 2, |j, d| parameters[j][d]),
+            samples: Numbers::new(
+                parameters.len(),
+                parameters.first().map_or(0, |row| row.len()),
+                |j, d| parameters[j][d],
+            ),
             displacement: FieldParts::new(&modes_u, displacement.1, &mesh.scales, storage),
             velocity: FieldParts::new(&modes_v, velocity.1, &mesh.scales, storage),
             cross_product,
@@ -264,8 +289,8 @@ impl ClusterParts {
 
     fn wire(&self) -> Cluster<'_> {
         Cluster {
-            confinement_min: self.range[0],
-            confinement_max: self.range[1],
+            min: self.range[0],
+            max: self.range[1],
             samples: self.samples.matrix(),
             displacement: self.displacement.wire(),
             velocity: self.velocity.wire(),
@@ -276,10 +301,41 @@ impl ClusterParts {
     }
 }
 
+/// Names of the units.
+pub(crate) struct Units {
+    length: String,
+    velocity: String,
+    time: String,
+}
+
+impl Units {
+    /// Those of the channel.
+    pub(crate) fn channel() -> Self {
+        Units {
+            length: "l".to_owned(),
+            velocity: "V".to_owned(),
+            time: "l/V".to_owned(),
+        }
+    }
+
+    /// Those of other people's data, as far as they are known.
+    pub(crate) fn new(length: Option<&str>, time: Option<&str>) -> Self {
+        let (length, time) = (length.unwrap_or("length unit"), time.unwrap_or("time unit"));
+        Units {
+            length: length.to_owned(),
+            velocity: format!("{length}/{time}"),
+            time: time.to_owned(),
+        }
+    }
+}
+
 /// What a file says about the domain.
 pub(crate) struct Domain {
-    /// Least and greatest Ca, least and greatest a/l.
-    pub(crate) ranges: [[f64; 2]; 2],
+    /// The parameters' names.
+    pub(crate) names: Vec<String>,
+    pub(crate) units: Units,
+    /// Least and greatest value of each parameter.
+    pub(crate) ranges: Vec<[f64; 2]>,
     /// (a/l, Ca)
     pub(crate) steady_limit: Vec<[f64; 2]>,
     /// (a/l, Ca)
@@ -310,18 +366,22 @@ pub(crate) fn write(
     let error_times = Numbers::column(&domain.error_times);
     let limit = Numbers::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
     let border = Numbers::new(domain.border.len(), 2, |i, d| domain.border[i][d]);
-    let parameter = |name, d: usize| Parameter {
+    let parameters = domain.names.iter().zip(&domain.ranges);
+    let parameters = parameters.map(|(name, [min, max])| Parameter {
         name,
-        min: domain.ranges[d][0],
-        max: domain.ranges[d][1],
-    };
+        min: *min,
+        max: *max,
+    });
     let contents = Contents {
         metadata: Metadata {
             title: &settings.title,
-            units: "lengths in l (half the duct's side), velocities in V (mean velocity of the undisturbed flow), \
-                    times in l/V",
+            units: wire::Units {
+                length: &domain.units.length,
+                velocity: &domain.units.velocity,
+                time: &domain.units.time,
+            },
             membrane_law: &settings.membrane_law,
-            parameters: [parameter("capillary_number", 0), parameter("confinement", 1)],
+            parameters: parameters.collect(),
             database_digest: &domain.database_digest,
             offline_settings: &text,
             created_unix_s: settings.created_unix_s,
@@ -334,9 +394,11 @@ pub(crate) fn write(
         default_method: settings.default_method,
         kernel: settings.kernel,
         paper: settings.paper,
+        split: settings.split.map_or(0, |split| split.parameter) as u8,
         clusters: clusters.iter().map(|c| c.wire()).collect(),
     };
     let mut room = 8192 + text.len() + settings.title.len() + settings.membrane_law.len();
+    room += domain.names.iter().map(String::len).sum::<usize>();
     room += mesh.elements.len()
         + 12 * mesh.scales.len()
         + 8 * mesh.nodes

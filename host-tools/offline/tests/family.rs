@@ -1,14 +1,17 @@
 //! Whole builds on a family of which every answer is known.
 
+#[path = "support/grid.rs"]
+mod grid;
 mod support;
 
 use capsule_core::model::wire::Method;
 use capsule_core::{Domain, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::{Database, Description, Status};
 use capsule_offline::{
-    Design, OfflineError, Settings, Storage, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric,
+    Design, OfflineError, Settings, Split, Storage, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric,
 };
-use support::{database, octahedral, trajectory};
+use grid::database;
+use support::{octahedral, trajectory};
 
 fn settings() -> Settings {
     Settings {
@@ -31,8 +34,8 @@ fn predicted(model: &Model, [ca, a]: [f64; 2], t: f64, method: Method) -> Vec<[f
     assert_eq!(
         evaluator
             .prepare(&Query {
-                step: 0.002,
-                ..Query::new(ca, a, method)
+                step: Some(0.002),
+                ..Query::new([ca, a], method)
             })
             .unwrap(),
         Domain::Inside
@@ -110,7 +113,7 @@ fn the_ring_around_the_domain_takes_part_and_is_not_answered_for() {
     }
     database.record(&[0.128, 0.95], Status::Unsteady).unwrap();
     let settings = Settings {
-        domain: [[0.03, 0.2], [0.85, 0.97]],
+        domain: vec![[0.03, 0.2], [0.85, 0.97]],
         beyond: 0.015,
         ..settings()
     };
@@ -119,17 +122,17 @@ fn the_ring_around_the_domain_takes_part_and_is_not_answered_for() {
     assert_eq!((report.samples, report.unsteady_samples), (27, 2));
     assert_eq!(report.error_times, [1.0, 2.0]);
     assert!(report.left_out.iter().filter(|e| e.answers && e.inside).all(|e| {
-        let [ca, a] = e.parameters;
+        let [ca, a] = [e.parameters[0], e.parameters[1]];
         (0.03..0.15).contains(&ca) && (0.84..0.97).contains(&a)
     }));
     let model = Model::open(&bytes).unwrap();
-    assert_eq!(model.domain(0.05, 0.9), Domain::Inside);
-    assert_eq!(model.domain(0.02, 0.9), Domain::Outside);
-    assert_eq!(model.domain(0.05, 1.0), Domain::Outside);
-    assert_eq!(model.domain(0.145, 0.9), Domain::Outside);
+    assert_eq!(model.domain([0.05, 0.9]), Domain::Inside);
+    assert_eq!(model.domain([0.02, 0.9]), Domain::Outside);
+    assert_eq!(model.domain([0.05, 1.0]), Domain::Outside);
+    assert_eq!(model.domain([0.145, 0.9]), Domain::Outside);
 
     let nothing = Settings {
-        domain: [[0.3, 0.4], [0.75, 1.2]],
+        domain: vec![[0.3, 0.4], [0.75, 1.2]],
         ..settings
     };
     let error = build(&database, &nothing, &quiet).unwrap_err();
@@ -243,7 +246,10 @@ fn what_cannot_be_built_is_named() {
     assert!(matches!(error, OfflineError::NotSymmetric { .. }), "{error}");
 
     let bad = Settings {
-        split: f64::NAN,
+        split: Some(Split {
+            parameter: 1,
+            value: f64::NAN,
+        }),
         ..settings()
     };
     assert!(matches!(
@@ -251,15 +257,12 @@ fn what_cannot_be_built_is_named() {
         Err(OfflineError::BadSetting { name: "split", .. })
     ));
     let bad = Settings {
-        domain: [[0.2, 0.1], [0.75, 1.2]],
+        domain: vec![[0.2, 0.1], [0.75, 1.2]],
         ..settings()
     };
     assert!(matches!(
         build(&database, &bad, &quiet),
-        Err(OfflineError::BadSetting {
-            name: "domain of Ca",
-            ..
-        })
+        Err(OfflineError::BadSetting { name: "domain", .. })
     ));
     let bad = Settings {
         error_times: vec![2.0, 1.0],

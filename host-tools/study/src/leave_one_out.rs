@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use capsule_core::Method;
-use capsule_database::Database;
-use capsule_offline::{LeftOut, Progress, Settings};
+use capsule_offline::{LeftOut, Progress, Settings, Source};
 use serde::Serialize;
 
 use crate::{StudyError, name};
@@ -15,6 +14,8 @@ use crate::{StudyError, name};
 pub struct Report {
     /// The method that the model takes unless told otherwise.
     pub default: &'static str,
+    /// The parameters' names.
+    pub parameters: Vec<String>,
     /// How many samples the errors are over.
     pub samples: usize,
     /// For each method, the errors over all samples at each instant.
@@ -42,40 +43,50 @@ pub struct InstantErrors {
 /// Errors of one sample at the instants of the report, in per cent of a.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SampleErrors {
-    /// Ca
-    pub capillary_number: f64,
-    /// a/l
-    pub confinement: f64,
+    /// The sample: (Ca, a/l), or the parameters of other people's data.
+    pub parameters: Vec<f64>,
     /// Laboratory frame.
     pub lab_percent: Vec<f64>,
     /// Centroid frame.
     pub shape_percent: Vec<f64>,
 }
 
-/// Leaves out every sample of the database in turn and measures both methods at t = 0.1, 1, 2, 4, 8 and 20, as far as the
-/// database has snapshots there, at the samples in the domain that the model answers for.
+/// Leaves out every sample in turn and measures both methods at the samples in the domain that the model answers for: for
+/// a database at t = 0.1, 1, 2, 4, 8 and 20, as far as it has snapshots there, for other people's data at the instants of
+/// the settings.
 ///
 /// The model is built again without the sample, all of it: POD, coefficients, interpolation. A sample on the row that
 /// two clusters share is judged by the cluster that answers there.
 ///
 /// # Errors
 /// [`StudyError::Offline`] when the database gives no model.
-pub fn leave_one_out(database: &Database, settings: &Settings, progress: Progress) -> Result<Report, StudyError> {
-    let settings = Settings {
-        error_times: vec![0.1, 1.0, 2.0, 4.0, 8.0, 20.0],
-        ..settings.clone()
-    };
-    let (times, errors) = capsule_offline::leave_one_out(database, &settings, progress)?;
-    Ok(Report::new(&times, &errors, settings.default_method))
+pub fn leave_one_out<'a>(
+    source: impl Into<Source<'a>>,
+    settings: &Settings,
+    progress: Progress,
+) -> Result<Report, StudyError> {
+    let source = source.into();
+    let mut settings = settings.clone();
+    if let Source::Database(_) = source {
+        settings.error_times = vec![0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
+    }
+    let (times, errors) = capsule_offline::leave_one_out(source, &settings, progress)?;
+    Ok(Report::new(
+        source.parameter_names(),
+        &times,
+        &errors,
+        settings.default_method,
+    ))
 }
 
 impl Report {
     /// The report of given errors at given instants.
     #[must_use]
-    pub fn new(times: &[f64], errors: &[LeftOut], default: Method) -> Self {
+    pub fn new(parameters: Vec<String>, times: &[f64], errors: &[LeftOut], default: Method) -> Self {
         let percent = |fractions: &[f64]| fractions.iter().map(|f| 100.0 * f).collect();
         let mut report = Report {
             default: name(default),
+            parameters,
             samples: 0,
             methods: BTreeMap::new(),
             values: BTreeMap::new(),
@@ -85,8 +96,7 @@ impl Report {
                 .iter()
                 .filter(|e| e.answers && e.inside && e.method == method)
                 .map(|e| SampleErrors {
-                    capillary_number: e.parameters[0],
-                    confinement: e.parameters[1],
+                    parameters: e.parameters.clone(),
                     lab_percent: percent(&e.laboratory),
                     shape_percent: percent(&e.shape),
                 })
@@ -112,15 +122,18 @@ impl Report {
     /// One line a method, sample and instant, with a heading.
     #[must_use]
     pub fn csv(&self) -> String {
-        let mut text = String::from("method,capillary_number,confinement,t,lab_percent,shape_percent\n");
+        let mut text = format!("method,{},t,lab_percent,shape_percent\n", self.parameters.join(","));
         for (method, values) in &self.values {
             for v in values {
                 for (i, instant) in self.methods[method].iter().enumerate() {
-                    let (ca, a, t) = (v.capillary_number, v.confinement, instant.t);
+                    let parameters: Vec<String> = v.parameters.iter().map(f64::to_string).collect();
                     let _ = writeln!(
                         text,
-                        "{method},{ca},{a},{t},{:.6},{:.6}",
-                        v.lab_percent[i], v.shape_percent[i]
+                        "{method},{},{},{:.6},{:.6}",
+                        parameters.join(","),
+                        instant.t,
+                        v.lab_percent[i],
+                        v.shape_percent[i]
                     );
                 }
             }
@@ -140,7 +153,7 @@ mod tests {
 
     fn error(method: Method, answers: bool, laboratory: f64, shape: f64) -> LeftOut {
         LeftOut {
-            parameters: [0.1, 0.9],
+            parameters: vec![0.1, 0.9],
             cluster: 0,
             answers,
             inside: true,
@@ -163,7 +176,8 @@ mod tests {
             error(Method::Paper, true, 0.05, 0.05),
             error(Method::Paper, true, 0.05, 0.05),
         ];
-        let report = Report::new(&[1.0, 2.0], &errors, Method::Direct);
+        let names = ["capillary_number", "confinement"].map(str::to_owned).to_vec();
+        let report = Report::new(names, &[1.0, 2.0], &errors, Method::Direct);
         assert_eq!((report.samples, report.default), (2, "direct"));
         let late = report.methods["direct"][1];
         assert_eq!(late.t, 2.0);

@@ -99,10 +99,9 @@ fn durations<T: Real>(
     let times = model.times();
     let mut durations = Vec::with_capacity(repetitions);
     for i in 0..repetitions {
-        let [capillary_number, confinement] = queries[i % queries.len()];
         let query = Query {
             extrapolate: true,
-            ..Query::new(capillary_number, confinement, method)
+            ..Query::new(queries[i % queries.len()], method)
         };
         if !matches!(task, Task::Prepare | Task::Trajectory) {
             evaluator.prepare(&query)?;

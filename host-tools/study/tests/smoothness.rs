@@ -1,5 +1,7 @@
 //! Differences along rows whose answer is known.
 
+#[path = "../../offline/tests/support/grid.rs"]
+mod grid;
 #[path = "../../offline/tests/support/mod.rs"]
 mod support;
 
@@ -71,6 +73,6 @@ fn scatter_is_amplified() {
 fn rows_that_are_too_short_are_left_out() {
     let directory = tempfile::tempdir().unwrap();
     // Rows of five, of which the last two are next to the limit.
-    let rows = smoothness(&support::database(directory.path()), 0.03).unwrap();
+    let rows = smoothness(&grid::database(directory.path()), 0.03).unwrap();
     assert!(rows.is_empty());
 }

@@ -77,8 +77,8 @@ impl<T: Word> Storage<T> {
         let mut evaluator = Evaluator::new(model, &mut self.workspace)?;
         evaluator.prepare(&Query {
             extrapolate: case.extrapolate,
-            step,
-            ..Query::new(capillary_number, confinement, case.method)
+            step: Some(step),
+            ..Query::new([capillary_number, confinement], case.method)
         })?;
         let mut instant = evaluator.at(t)?;
         match case.ask {

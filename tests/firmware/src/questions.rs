@@ -24,7 +24,8 @@ pub fn answer(
     let mut evaluator = Evaluator::new(model, workspace)?;
     evaluator.prepare(&Query {
         extrapolate: true,
-        ..Query::new(capillary_number, confinement, method)
+        step: Some(0.02),
+        ..Query::new([capillary_number, confinement], method)
     })?;
     let mut instant = evaluator.at(t)?;
     let found = instant.observables()?;

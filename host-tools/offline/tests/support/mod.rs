@@ -2,9 +2,8 @@
 //! reproduce (1, Ca, a/l, (a/l)^2), so that a model must return it at any query.
 
 use std::collections::HashMap;
-use std::path::Path;
 
-use capsule_database::{Database, Description, Mesh, Status, Trajectory};
+use capsule_database::{Mesh, Status, Trajectory};
 
 /// An octahedral geodesic mesh of the unit sphere with `8 n^2` elements.
 pub fn octahedral(n: i32) -> Mesh {
@@ -76,21 +75,4 @@ pub fn trajectory(mesh: &Mesh, parameters: [f64; 2], times: &[f64]) -> Trajector
         centroid: times.iter().map(|t| node([0.0; 3], parameters, *t).0[0]).collect(),
         pressure_drop: vec![0.0; times.len()],
     }
-}
-
-/// A database of the family on a grid of five capillary numbers and five confinements, up to t = 2.
-pub fn database(directory: &Path) -> Database {
-    let description = Description::new(
-        (0..=10).map(|i| 0.2 * f64::from(i)).collect(),
-        serde_json::json!({ "family": "made up" }),
-    );
-    let database = Database::create(directory, description, octahedral(2)).unwrap();
-    for ca in [0.02, 0.05, 0.08, 0.11, 0.14] {
-        for a in [0.8, 0.85, 0.9, 0.95, 1.0] {
-            database
-                .write(&trajectory(database.mesh(), [ca, a], database.times()))
-                .unwrap();
-        }
-    }
-    database
 }
