@@ -8,6 +8,7 @@ import "./style/figures.css";
 import "./style/panels.css";
 import "./style/time.css";
 import "./style/layout.css";
+import "./style/model.css";
 import { fromFragment, toFragment } from "./app/link";
 import { element, html } from "./app/page";
 import { DEFAULT_STATE, METHODS, type State, Store } from "./app/state";

@@ -3,7 +3,10 @@
 
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
-import { figures, openPage, predict, serve, settled, startBrowser } from "./support.mjs";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { capsuleRom, figures, openPage, otherModel, predict, serve, settled, startBrowser } from "./support.mjs";
 
 const QUANTITIES = [
   "axial_length",
@@ -257,6 +260,39 @@ describe("the sections", () => {
     for (const view of ["midplane", "diagonal"]) {
       const outline = await page.getAttribute(`#${view} .membrane`, "d");
       assert.ok(outline.split("C").length > 20, `${view} is an outline of many pieces`);
+    }
+  });
+});
+
+describe("a model of other people's data", () => {
+  onPage("has a slider for each parameter and the native core's figures", `#t=1${FLAT}`, async (page) => {
+    const folder = mkdtempSync(join(tmpdir(), "capsule-"));
+    try {
+      const model = otherModel(folder);
+      await page.setInputFiles("#model-file", model);
+      await page.waitForFunction(() => document.body.dataset.model === "other");
+      await settled(page);
+      assert.equal(await page.locator("#sliders input[type=range]").count(), 2);
+      assert.equal(await page.isVisible("#map"), false);
+      await fill(page, "parameter-0", 0.05);
+      await fill(page, "parameter-1", 0.87);
+      assert.deepEqual((await state(page)).parameters, [0.05, 0.87]);
+      const query = ["--model", model, "--parameters", "ca=0.05,al=0.87", "--t", "1", "--method", "direct", "--json"];
+      const native = JSON.parse(capsuleRom(["predict", ...query]));
+      assert.equal(await page.getAttribute("#model", "data-digest"), native.model_digest);
+      const shown = await figures(page);
+      for (const quantity of QUANTITIES) {
+        assert.equal(Math.fround(shown[quantity]), Math.fround(native.instants[0][quantity]), quantity);
+      }
+      assert.match(await page.innerText("#readouts"), /length unit/);
+      await page.waitForFunction(() => window.location.hash.includes("p=0.05"));
+      await fill(page, "parameter-1", 1.1);
+      assert.match(await page.innerText("#notice"), /al = 1\.1/i);
+      await page.click("#notice button:first-of-type");
+      await settled(page);
+      assert.deepEqual((await state(page)).parameters, [0.05, 0.9]);
+    } finally {
+      rmSync(folder, { recursive: true });
     }
   });
 });

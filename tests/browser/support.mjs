@@ -1,7 +1,7 @@
 // What the tests share: the server, the browser, a page that fails on console errors, and the native core.
 
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync } from "node:fs";
+import { existsSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { resolve } from "node:path";
 import { chromium } from "playwright-core";
@@ -95,13 +95,34 @@ export function figures(page) {
   );
 }
 
-/** What the native core says: the JSON of `capsule-rom predict`. CAPSULE_ROM names the program. */
-export function predict(ca, confinement, times, method) {
+/** Runs the native `capsule-rom` and returns what it prints. CAPSULE_ROM names the program. */
+export function capsuleRom(options) {
   const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
   const program = process.env.CAPSULE_ROM ?? built;
   if (!existsSync(program)) {
     throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
   }
-  const options = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
-  return JSON.parse(execFileSync(program, ["predict", ...options.map(String), "--model", MODEL, "--json"], { encoding: "utf8" }));
+  return execFileSync(program, options.map(String), { encoding: "utf8" });
+}
+
+/** What the native core says: the JSON of `capsule-rom predict`. */
+export function predict(ca, confinement, times, method) {
+  const query = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
+  return JSON.parse(capsuleRom(["predict", ...query, "--model", MODEL, "--json"]));
+}
+
+/** Builds a model of "other people's data", series over ca and al, in a folder; returns its path. */
+export function otherModel(folder) {
+  const rows = ["series,ca,al"];
+  for (const ca of [0.04, 0.06, 0.08]) {
+    for (const al of [0.8, 0.85, 0.9]) {
+      const query = ["--ca", ca, "--confinement", al, "--t", "0,0.5,1,1.5,2", "--model", MODEL];
+      capsuleRom(["predict", ...query, "--vtu", resolve(folder, `${ca}-${al}`)]);
+      rows.push(`${ca}-${al}/capsule.pvd,${ca},${al}`);
+    }
+  }
+  writeFileSync(resolve(folder, "parameters.csv"), rows.join("\n"));
+  const model = resolve(folder, "other.crom");
+  capsuleRom(["offline", "build", "--from", folder, "--out", model, "--quiet"]);
+  return model;
 }

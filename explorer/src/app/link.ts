@@ -2,8 +2,10 @@ import { DEFAULT_STATE, FRAMES, METHODS, QUANTITIES, SPEEDS, type State, VIEWS }
 
 /** Writes the state as a URL fragment: always the query and the time, the rest where it differs from the default. */
 export function toFragment(state: State): string {
-  const { ca, confinement, t, method } = state;
-  const fields = new URLSearchParams({ ca: short(ca), al: short(confinement), t: short(t), method });
+  const { ca, confinement, parameters, t, method } = state;
+  const own =
+    parameters.length > 0 ? { p: parameters.map(short).join(",") } : { ca: short(ca), al: short(confinement) };
+  const fields = new URLSearchParams({ ...own, t: short(t), method });
   const put = (name: string, value: string, standard: string) => {
     if (value !== standard) {
       fields.set(name, value);
@@ -37,6 +39,8 @@ export function fromFragment(fragment: string): Partial<State> {
       patch[key] = value;
     }
   }
+  const others = (fields.get("p") ?? "").split(",").map((text) => (text.trim() === "" ? Number.NaN : Number(text)));
+  if (others.every(Number.isFinite)) patch.parameters = others;
   const speed = SPEEDS.find((item) => item === number("speed"));
   const method = one("method", METHODS);
   const frame = one("frame", FRAMES);

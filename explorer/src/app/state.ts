@@ -4,6 +4,8 @@ export interface State {
   readonly ca: number;
   /** Confinement a/l. */
   readonly confinement: number;
+  /** The parameters of a model that is not one of a capsule in the channel. */
+  readonly parameters: readonly number[];
   /** Time in l/V. */
   readonly t: number;
   /** The last instant that the open model answers for. */
@@ -50,6 +52,7 @@ export const SPEEDS = [0.25, 0.5, 1, 2, 5] as const;
 export const DEFAULT_STATE: State = {
   ca: 0.1,
   confinement: 0.9,
+  parameters: [],
   t: 2,
   end: 20,
   method: "direct",

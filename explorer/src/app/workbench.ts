@@ -1,7 +1,8 @@
 import { type Capsule, type Outline, text } from "../model/capsule";
 import { notify, tieParameters } from "../panels/parameters";
 import { Readouts } from "../panels/readouts";
-import { stepped, TimeAxis } from "../panels/time-axis";
+import { ParameterSliders } from "../panels/sliders";
+import { stepped, TimeAxis, timeDigits } from "../panels/time-axis";
 import { tieTransport } from "../panels/transport";
 import { cutPoints, loopPoints } from "../views/cuts";
 import { Longitudinal } from "../views/longitudinal";
@@ -18,6 +19,7 @@ const OUTLINES: readonly Outline[] = ["midplane", "diagonal"];
 export class Workbench {
   readonly #store: Store;
   readonly #map: ParameterMap;
+  readonly #sliders: ParameterSliders;
   readonly #readouts: Readouts;
   readonly #time: TimeAxis;
   /** Made when it is first shown; null where there is no WebGL. */
@@ -33,6 +35,9 @@ export class Workbench {
   constructor(store: Store) {
     this.#store = store;
     this.#map = new ParameterMap(element("map", HTMLElement), (point) => store.set({ ...point, extrapolate: false }));
+    this.#sliders = new ParameterSliders(element("sliders", HTMLElement), (parameters) =>
+      store.set({ parameters, extrapolate: false }),
+    );
     const announcement = element("announcement", HTMLElement);
     this.#readouts = new Readouts(element("readouts", HTMLElement), announcement, (trace) => store.set({ trace }));
     const slider = element("time", HTMLInputElement);
@@ -66,18 +71,30 @@ export class Workbench {
     this.#capsule = capsule;
     this.#plotted = "";
     const { model } = capsule;
-    const [caLeast = 0, caMost = 1, confinementLeast = 0, confinementMost = 1] = model.ranges();
+    const ranges = model.ranges();
     const end = model.endTime;
-    this.#map.setDomain({
-      caRange: [caLeast, caMost],
-      confinementRange: [confinementLeast, confinementMost],
-      samples: model.samples(),
-      steadyLimit: model.steadyLimit(),
-      end,
-    });
-    this.#time.setEnd(end);
+    const [length = "", velocity = "", time = ""] = model.units();
+    // What belongs to the channel, and the views along planes of symmetry, are shown only where they exist.
+    document.body.dataset.model = model.isChannel ? "channel" : "other";
+    document.body.dataset.outlines = String(model.hasOutlines);
+    if (model.isChannel) {
+      const [caLeast = 0, caMost = 1, confinementLeast = 0, confinementMost = 1] = ranges;
+      this.#map.setDomain({
+        caRange: [caLeast, caMost],
+        confinementRange: [confinementLeast, confinementMost],
+        samples: model.samples(),
+        steadyLimit: model.steadyLimit(),
+        end,
+      });
+    }
+    const parameters = model.isChannel ? [] : this.#sliders.offer(model.parameterNames(), ranges, this.#store.state);
+    const units = model.isChannel ? { length: "ℓ", velocity: "V" } : { length, velocity };
+    this.#readouts.setUnits(units);
+    element("time-unit", HTMLElement).textContent = model.isChannel ? "ℓ/V" : time;
+    this.#time.setEnd(end, model.isChannel ? "l/V" : time);
     this.#solid?.setTriangles(model.triangles());
-    this.#store.set({ end, t: Math.min(Math.max(this.#store.state.t, 0), end), playing: false });
+    this.#solid?.setChannel(model.isChannel);
+    this.#store.set({ parameters, end, t: Math.min(Math.max(this.#store.state.t, 0), end), playing: false });
     this.#request();
   }
 
@@ -91,7 +108,8 @@ export class Workbench {
     if (state.playing) {
       // A page that was in the background goes on from where it was.
       const elapsed = this.#lastFrame === 0 ? 0 : Math.min(time - this.#lastFrame, 100) / 1000;
-      const t = Math.min(state.t + elapsed * state.speed, state.end);
+      // The whole of a model plays in 20 s at speed 1, as the channel's 20 l/V do.
+      const t = Math.min(state.t + (elapsed * state.speed * state.end) / 20, state.end);
       this.#lastFrame = time;
       this.#store.set({ t, playing: t < state.end });
       this.#request();
@@ -102,7 +120,8 @@ export class Workbench {
   }
 
   #draw(capsule: Capsule, state: State): void {
-    this.#map.show(state);
+    if (capsule.model.isChannel) this.#map.show(state);
+    else this.#sliders.show(state.parameters);
     this.#readouts.mark(state.trace);
     const answered = this.#answer(capsule, state);
     document.body.dataset.answer = answered ? "given" : "refused";
@@ -111,16 +130,20 @@ export class Workbench {
       this.#readouts.show(undefined);
       this.#time.show(state.t, undefined);
     } else if (!state.playing) {
-      this.#readouts.announce(`Ca ${state.ca}, a/l ${state.confinement}, time ${state.t.toFixed(2)}`);
+      const names = capsule.model.isChannel ? ["Ca", "a/l"] : capsule.model.parameterNames();
+      const words = capsule.parameters(state).map((value, i) => `${names[i]} ${value}`);
+      this.#readouts.announce(`${words.join(", ")}, time ${state.t.toFixed(timeDigits(state.end))}`);
     }
   }
 
   /** Asks for everything visible and shows it; when the core refuses, its words and a way out are shown. */
   #answer(capsule: Capsule, state: State): boolean {
-    const [ca = 0, confinement = 0] = capsule.model.nearest(state.ca, state.confinement);
+    const isChannel = capsule.model.isChannel;
+    const place = [...capsule.model.nearest(Float64Array.from(capsule.parameters(state)))];
+    const [ca = 0, confinement = 0] = place;
     const nearest = {
-      label: `Go to the nearest point inside, ${ca}, ${confinement}`,
-      run: () => this.#store.set({ ca, confinement, extrapolate: false }),
+      label: `Go to the nearest point inside, ${place.join(", ")}`,
+      run: () => this.#store.set({ ...(isChannel ? { ca, confinement } : { parameters: place }), extrapolate: false }),
     };
     try {
       const domain = capsule.prepare(state);
@@ -131,14 +154,18 @@ export class Workbench {
       if (domain === "inside") {
         notify(undefined);
       } else {
-        const where = domain === "outside" ? "outside the sampled range" : "beyond the largest steady Ca";
+        const where = {
+          outside: "outside the sampled range",
+          "far-from-samples": "far from all samples",
+          "beyond-steady-limit": "beyond the largest steady Ca",
+        }[domain];
         notify(`Extrapolated: these parameters lie ${where}, so no figure here is backed by the model.`, [nearest]);
       }
       return true;
     } catch (error) {
       const extrapolate = { label: "Extrapolate", run: () => this.#store.set({ extrapolate: true }) };
       const words = text(error);
-      const positive = state.ca > 0 && state.confinement > 0;
+      const positive = !isChannel || (state.ca > 0 && state.confinement > 0);
       notify(`${words.charAt(0).toUpperCase()}${words.slice(1)}.`, positive ? [nearest, extrapolate] : [nearest]);
       return false;
     }
@@ -146,8 +173,8 @@ export class Workbench {
 
   /** Plots the chosen read-out when the query or the choice has changed. */
   #plot(capsule: Capsule, state: State, answered: boolean): void {
-    const { ca, confinement, method, extrapolate, trace } = state;
-    const wanted = JSON.stringify([ca, confinement, method, extrapolate, trace, answered]);
+    const { method, extrapolate, trace } = state;
+    const wanted = JSON.stringify([capsule.parameters(state), method, extrapolate, trace, answered]);
     if (wanted === this.#plotted) return;
     this.#plotted = wanted;
     const read = (t: number) => capsule.readAt(t, trace);
@@ -155,18 +182,16 @@ export class Workbench {
   }
 
   #drawFigures(capsule: Capsule, state: State): void {
-    const { now } = capsule;
-    const shown = (view: View) => state.views.has(view);
+    const exists = (view: View) => capsule.model.hasOutlines || (view !== "midplane" && view !== "diagonal");
+    const shown = (view: View) => state.views.has(view) && exists(view);
     const seen = (view: View) => shown(view) && this.#visible.has(figure(view));
-    const centroid = now.centroid();
+    const centroid = capsule.centroid();
     const needsSection = seen("transversal") || (seen("solid") && shown("transversal"));
-    const section = needsSection ? now.transversal(state.section) : undefined;
-    const curves = section === undefined ? [] : split(section.points, section.lengths);
-    section?.free();
+    const curves = needsSection ? capsule.transversal(state.section) : [];
 
     const outlines = new Map<Outline, Float32Array>();
     for (const name of OUTLINES) {
-      if (seen(name) || (seen("solid") && shown(name))) outlines.set(name, now.outline(name));
+      if (seen(name) || (seen("solid") && shown(name))) outlines.set(name, capsule.outline(name));
     }
     for (const name of OUTLINES) {
       const outline = outlines.get(name);
@@ -183,7 +208,10 @@ export class Workbench {
       this.#transversal.draw({ curves, midplane: shown("midplane"), diagonal: shown("diagonal") });
     }
     if (seen("solid")) {
-      if (this.#solid === undefined) this.#solid = solid(capsule.model.triangles());
+      if (this.#solid === undefined) {
+        this.#solid = solid(capsule.model.triangles());
+        this.#solid?.setChannel(capsule.model.isChannel);
+      }
       this.#solid?.draw(solidScene(capsule, state, centroid, outlines, curves[0]));
     }
   }
@@ -197,7 +225,9 @@ export class Workbench {
         Number(output.dataset.value),
       ]),
     );
-    return { ca: state.ca, confinement: state.confinement, t: state.t, method: state.method, ...figures };
+    const { ca, confinement, parameters, t, method } = state;
+    const query = parameters.length > 0 ? { parameters: parameters.join(",") } : { ca, confinement };
+    return { ...query, t, method, ...figures };
   }
 }
 
@@ -240,20 +270,11 @@ function solidScene(
   }
   if (section !== undefined) cuts.push({ plane: "transversal", points: loopPoints(section, state.section) });
   return {
-    positions: capsule.now.surface(),
+    positions: capsule.surface(),
     // In the centroid's frame the two surfaces would lie in one another; there the sections compare them.
     initial: state.initial && state.frame === "laboratory" ? capsule.initialSurface() : undefined,
     centroid,
     frame: state.frame,
     cuts,
   };
-}
-
-function split(points: Float32Array, lengths: Uint32Array): Float32Array[] {
-  let start = 0;
-  return [...lengths].map((length) => {
-    const curve = points.subarray(2 * start, 2 * (start + length));
-    start += length;
-    return curve;
-  });
 }

@@ -13,10 +13,10 @@ export class ModelError extends Error {
 }
 
 export type Outline = "midplane" | "diagonal";
-export type Domain = "inside" | "beyond-steady-limit" | "outside";
+export type Domain = "inside" | "beyond-steady-limit" | "far-from-samples" | "outside";
 
 /** The parameters that determine a motion. */
-export type Query = Pick<State, "ca" | "confinement" | "method" | "extrapolate">;
+export type Query = Pick<State, "ca" | "confinement" | "parameters" | "method" | "extrapolate">;
 
 /** A model and the answers to the query that is on screen. Everything is computed by the core, when it is asked for. */
 export class Capsule {
@@ -26,7 +26,9 @@ export class Capsule {
   readonly now: Evaluation;
   /** Other instants of the same query: the start, and the time axis. */
   readonly #elsewhere: Evaluation;
+  readonly #length: number;
   #query: Query | undefined;
+  #parameters: readonly number[] = [];
   #domain: Domain = "inside";
   #initialSurface: Float32Array | undefined;
   readonly #initialOutlines = new Map<Outline, Float32Array>();
@@ -34,6 +36,7 @@ export class Capsule {
   private constructor(model: Model, bytes: number) {
     this.model = model;
     this.bytes = bytes;
+    this.#length = model.drawnLength;
     this.now = model.evaluation();
     this.#elsewhere = model.evaluation();
   }
@@ -78,33 +81,72 @@ export class Capsule {
     return Capsule.open(new Uint8Array(await response.arrayBuffer()), name);
   }
 
+  /** The parameters of a state, as many as the model has. */
+  parameters({ ca, confinement, parameters }: Query): readonly number[] {
+    return this.model.isChannel ? [ca, confinement] : parameters;
+  }
+
   /** Sets the query; throws with the core's words when it is refused. */
   prepare(query: Query): Domain {
+    const parameters = this.parameters(query);
     const same =
       this.#query !== undefined &&
-      query.ca === this.#query.ca &&
-      query.confinement === this.#query.confinement &&
+      parameters.every((value, i) => value === this.#parameters[i]) &&
       query.method === this.#query.method &&
       query.extrapolate === this.#query.extrapolate;
     if (!same) {
       this.#query = undefined;
       this.#initialSurface = undefined;
       this.#initialOutlines.clear();
-      this.#domain = prepare(this.now, query);
+      this.#parameters = parameters;
+      this.#domain = prepare(this.now, parameters, query);
       this.#query = query;
     }
     return this.#domain;
   }
 
+  /** Vertices now, relative to the centroid, in the drawn length. */
+  surface(): Float32Array {
+    return this.#drawn(this.now.surface());
+  }
+
+  /** An outline now, in the drawn length. */
+  outline(name: Outline): Float32Array {
+    return this.#drawn(this.now.outline(name));
+  }
+
+  /** The section across now, in the drawn length, by the plane at `offset` of these lengths from the centroid. */
+  transversal(offset: number): Float32Array[] {
+    const section = this.now.transversal(offset * this.#length);
+    const points = this.#drawn(section.points);
+    let start = 0;
+    const curves = [...section.lengths].map((length) => {
+      const curve = points.subarray(2 * start, 2 * (start + length));
+      start += length;
+      return curve;
+    });
+    section.free();
+    return curves;
+  }
+
+  /** Axial position of the centroid now, in the drawn length. */
+  centroid(): number {
+    return this.now.centroid() / this.#length;
+  }
+
+  #drawn(points: Float32Array): Float32Array {
+    return this.#length === 1 ? points : points.map((x) => x / this.#length);
+  }
+
   /** Vertices at t = 0, relative to the centroid. */
   initialSurface(): Float32Array {
-    this.#initialSurface ??= this.#at(0).surface();
+    this.#initialSurface ??= this.#drawn(this.#at(0).surface());
     return this.#initialSurface;
   }
 
   /** An outline at t = 0. */
   initialOutline(name: Outline): Float32Array {
-    const outline = this.#initialOutlines.get(name) ?? this.#at(0).outline(name);
+    const outline = this.#initialOutlines.get(name) ?? this.#drawn(this.#at(0).outline(name));
     this.#initialOutlines.set(name, outline);
     return outline;
   }
@@ -127,15 +169,15 @@ export class Capsule {
 
   #at(t: number): Evaluation {
     if (this.#query !== undefined) {
-      prepare(this.#elsewhere, this.#query);
+      prepare(this.#elsewhere, this.#parameters, this.#query);
     }
     this.#elsewhere.goTo(t);
     return this.#elsewhere;
   }
 }
 
-function prepare(evaluation: Evaluation, { ca, confinement, method, extrapolate }: Query): Domain {
-  return evaluation.prepare(ca, confinement, method satisfies Method, extrapolate) as Domain;
+function prepare(evaluation: Evaluation, parameters: readonly number[], { method, extrapolate }: Query): Domain {
+  return evaluation.prepare(Float32Array.from(parameters), method satisfies Method, extrapolate) as Domain;
 }
 
 function read(evaluation: Evaluation, quantity: Quantity): number {

@@ -6,7 +6,11 @@ export function describe(list: HTMLElement, { model, bytes }: Capsule): void {
   const created = new Date(model.createdUnixS * 1000).toISOString().slice(0, 10);
   const entries: [name: string, value: string, hint: string][] = [
     ["Model", model.digest, `${model.title}. Database ${model.databaseDigest}, made on ${created}`],
-    ["Samples", String(model.samples().length / 2), "Full-order simulations that the model was made from"],
+    [
+      "Samples",
+      String(model.samples().length / model.parameterNames().length),
+      "Full-order simulations that the model was made from",
+    ],
     ["Membrane", model.membraneLaw, "Constitutive law of the membrane"],
     ["Size", `${(bytes / 1e6).toFixed(2)} MB`, `${model.nodeCount} nodes on the membrane`],
   ];

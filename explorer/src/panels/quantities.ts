@@ -3,7 +3,8 @@ import type { Quantity } from "../app/state";
 /** How a read-out is named and written. */
 export interface Presentation {
   readonly name: string;
-  readonly unit: string;
+  /** In the units of the open model. */
+  unit: string;
   /** The section plane that it is measured in. */
   readonly plane?: "midplane" | "diagonal";
   /** From the core's number to the one that is shown. */
@@ -21,8 +22,16 @@ export const PRESENTATION: Record<Quantity, Presentation> = {
   expected_error: { name: "Expected error", unit: "% a", scale: 100, digits: 3 },
 };
 
+/** The units of a capsule in the channel. */
+export const STANDARD_UNITS = Object.fromEntries(
+  Object.entries(PRESENTATION).map(([quantity, { unit }]) => [quantity, unit]),
+) as Record<Quantity, string>;
+
 /** A number as its read-out shows it. */
 export function written(quantity: Quantity, value: number): string {
   const { scale, digits } = PRESENTATION[quantity];
-  return (value * scale).toFixed(digits).replace("-", "−");
+  // Lengths in other units than the channel's may have any size.
+  const isChannel = document.body.dataset.model !== "other";
+  const text = isChannel ? (value * scale).toFixed(digits) : String(Number((value * scale).toPrecision(5)));
+  return text.replace("-", "−");
 }

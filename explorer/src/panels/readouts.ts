@@ -1,11 +1,12 @@
 import { html } from "../app/page";
 import { QUANTITIES, type Quantity } from "../app/state";
-import { PRESENTATION, written } from "./quantities";
+import { PRESENTATION, STANDARD_UNITS, written } from "./quantities";
 
 /** The figures of the instant on screen. Each output carries its number in full in `data-value`. */
 export class Readouts {
   readonly #outputs = new Map<Quantity, HTMLOutputElement>();
   readonly #rows = new Map<Quantity, HTMLButtonElement>();
+  readonly #units = new Map<Quantity, HTMLElement>();
   readonly #announcement: HTMLElement;
   #announcing = 0;
 
@@ -20,7 +21,9 @@ export class Readouts {
       output.ariaLive = "off";
       output.dataset.quantity = quantity;
       const row = html("button", { type: "button", className: "readout" }, html("span", {}, name), output);
-      row.append(html("span", { className: "unit", textContent: unit }));
+      const mark = html("span", { className: "unit", textContent: unit });
+      this.#units.set(quantity, mark);
+      row.append(mark);
       row.role = "radio";
       if (plane !== undefined) row.dataset.plane = plane;
       row.addEventListener("click", () => onTrace(quantity));
@@ -28,6 +31,15 @@ export class Readouts {
       this.#outputs.set(quantity, output);
       this.#rows.set(quantity, row);
       panel.append(row);
+    }
+  }
+
+  /** Sets the units that the open model's numbers have. */
+  setUnits({ length, velocity }: { readonly length: string; readonly velocity: string }): void {
+    for (const [quantity, mark] of this.#units) {
+      const presentation = PRESENTATION[quantity];
+      presentation.unit = STANDARD_UNITS[quantity].replace("ℓ", length).replace("V", velocity);
+      mark.textContent = presentation.unit;
     }
   }
 

@@ -22,6 +22,7 @@ export class TimeAxis {
   readonly #dot: SVGCircleElement;
   readonly #span: SVGTextElement;
   #end = 1;
+  #unit = "l/V";
   #width = 0;
   #height = 0;
   #t = 0;
@@ -39,9 +40,9 @@ export class TimeAxis {
     this.#track = track;
     this.#input = input;
     input.addEventListener("input", () => onTime(input.valueAsNumber));
-    // An arrow key steps by a tenth instead of the browser's "any".
+    // An arrow key goes a two-hundredth of the axis instead of the browser's "any".
     input.addEventListener("keydown", (event) => {
-      const steps: Record<string, number> = { ArrowRight: 0.1, ArrowUp: 0.1, ArrowLeft: -0.1, ArrowDown: -0.1 };
+      const steps: Record<string, number> = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
       const step = steps[event.key];
       if (step === undefined) return;
       onStep(event.shiftKey ? step * 10 : step);
@@ -64,8 +65,9 @@ export class TimeAxis {
     });
   }
 
-  /** Sets the length of the axis. */
-  setEnd(end: number): void {
+  /** Sets the length of the axis and its unit. */
+  setEnd(end: number, unit: string): void {
+    this.#unit = unit;
     if (end === this.#end) return;
     this.#end = end;
     this.#input.max = String(end);
@@ -77,7 +79,7 @@ export class TimeAxis {
     this.#t = t;
     this.#value = value;
     if (this.#input.valueAsNumber !== t) this.#input.valueAsNumber = t;
-    this.#input.ariaValueText = `${t.toFixed(2)} l/V`;
+    this.#input.ariaValueText = `${t.toFixed(timeDigits(this.#end))} ${this.#unit}`;
     if (this.#width === 0) return;
     const x = this.#toX(t);
     set(this.#cursor, { x1: x, x2: x, y1: TOP - 4, y2: this.#height - AXIS });
@@ -123,7 +125,8 @@ export class TimeAxis {
   #range(): [number, number] {
     const [low, high] = [Math.min(...this.#values), Math.max(...this.#values)];
     const { scale, digits } = PRESENTATION[this.#quantity];
-    const least = 20 / (scale * 10 ** digits);
+    const isChannel = document.body.dataset.model !== "other";
+    const least = isChannel ? 20 / (scale * 10 ** digits) : 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-30);
     const spare = Math.max(0, least - (high - low)) / 2;
     return [low - spare, high + spare];
   }
@@ -131,12 +134,14 @@ export class TimeAxis {
   #layOut(): void {
     const bottom = this.#height - AXIS;
     set(this.#svg, { viewBox: `0 0 ${this.#width} ${this.#height}` });
-    const step = this.#width > 480 ? 1 : 5;
+    // A tick at each whole l/V of 20.
+    const whole = 10 ** Math.floor(Math.log10(this.#end / 10));
+    const step = this.#width > 480 ? whole : 5 * whole;
     const every = this.#width > 760 ? 2 : 5;
     const parts: Element[] = [svg("path", { d: `M${INSET} ${bottom}H${this.#width - INSET}`, fill: "none" })];
     for (const t of ticks(0, this.#end, step)) {
       const x = this.#toX(t);
-      const named = t % every === 0;
+      const named = Math.round(t / whole) % every === 0;
       parts.push(svg("line", { x1: x, x2: x, y1: bottom, y2: bottom + (named ? 5 : 3) }));
       if (named) {
         const text = svg("text", { x, y: bottom + 17, "text-anchor": "middle" });
@@ -166,7 +171,12 @@ export class TimeAxis {
   }
 }
 
-/** A step along time, to a whole hundredth and within the model's span. */
-export function stepped(t: number, step: number, end: number): number {
-  return Math.min(end, Math.max(0, Number((t + step).toFixed(2))));
+/** Digits after the point that tell instants apart: hundredths of 20 l/V. */
+export function timeDigits(end: number): number {
+  return Math.min(12, Math.max(0, 3 - Math.floor(Math.log10(end))));
+}
+
+/** Steps of a two-hundredth of the model's span along time, rounded to its digits and within it. */
+export function stepped(t: number, steps: number, end: number): number {
+  return Math.min(end, Math.max(0, Number((t + (steps * end) / 200).toFixed(timeDigits(end)))));
 }

@@ -1,6 +1,7 @@
 import { element, html } from "../app/page";
 import { SPEEDS, type State, type Store, VIEWS, type View } from "../app/state";
-import { stepped } from "./time-axis";
+import { drawnUnit } from "../views/svg";
+import { stepped, timeDigits } from "./time-axis";
 
 const VIEW_NAMES: Record<View, string> = { solid: "3D", midplane: "z = 0", diagonal: "y = z", transversal: "x = c" };
 
@@ -33,8 +34,8 @@ export function tieTransport(store: Store): void {
     const { t, end } = store.state;
     const keys: Record<string, () => void> = {
       " ": toggle,
-      ArrowRight: () => store.set({ t: stepped(t, event.shiftKey ? 1 : 0.1, end) }),
-      ArrowLeft: () => store.set({ t: stepped(t, event.shiftKey ? -1 : -0.1, end) }),
+      ArrowRight: () => store.set({ t: stepped(t, event.shiftKey ? 10 : 1, end) }),
+      ArrowLeft: () => store.set({ t: stepped(t, event.shiftKey ? -10 : -1, end) }),
       Home: () => store.set({ t: 0 }),
       End: () => store.set({ t: end }),
     };
@@ -50,12 +51,12 @@ export function tieTransport(store: Store): void {
     play.ariaPressed = String(state.playing);
     play.ariaLabel = state.playing ? "Pause" : "Play";
     time.max = String(state.end);
-    if (document.activeElement !== time) time.value = state.t.toFixed(2);
+    if (document.activeElement !== time) time.value = state.t.toFixed(timeDigits(state.end));
     time.dataset.value = String(state.t);
     speed.value = String(state.speed);
     section.value = String(state.section);
     initial.checked = state.initial;
-    plane.innerHTML = `<i class="symbol">x</i> = <i class="symbol">X</i><sub>c</sub> ${signed(state.section)} ℓ`;
+    plane.innerHTML = `<i class="symbol">x</i> = <i class="symbol">X</i><sub>c</sub> ${signed(state.section)} ${drawnUnit()}`;
     for (const [view, button] of views) {
       button.ariaPressed = String(state.views.has(view));
       document.querySelector(`figure[data-view="${view}"]`)?.toggleAttribute("hidden", !state.views.has(view));

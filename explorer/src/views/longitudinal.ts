@@ -1,5 +1,5 @@
 import type { Frame } from "../app/state";
-import { hatch, label, onResize, set, smoothLoop, svg, ticks } from "./svg";
+import { drawnUnit, hatch, label, onResize, set, smoothLoop, svg, ticks } from "./svg";
 
 /** What a longitudinal section shows; axial positions are in the laboratory frame. */
 export interface LongitudinalScene {
@@ -112,8 +112,8 @@ export class Longitudinal {
     set(this.#plane, { x1: cut, x2: cut, y1: this.#toY(this.#wall), y2: this.#toY(-this.#wall) });
     this.#drawAxis((x) => AXIS_WIDTH + (x - this.#left) * this.#scale, visible);
     this.#caption.innerHTML = laboratory
-      ? '<tspan class="symbol">x</tspan> [ℓ]'
-      : '<tspan class="symbol">x</tspan> − <tspan class="symbol">X</tspan><tspan class="sub" dy="3">c</tspan><tspan dy="-3"> [ℓ]</tspan>';
+      ? `<tspan class="symbol">x</tspan> [${drawnUnit()}]`
+      : `<tspan class="symbol">x</tspan> − <tspan class="symbol">X</tspan><tspan class="sub" dy="3">c</tspan><tspan dy="-3"> [${drawnUnit()}]</tspan>`;
   }
 
   #drawAxis(toX: (x: number) => number, visible: number): void {

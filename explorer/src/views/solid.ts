@@ -64,6 +64,7 @@ export class Solid {
   readonly #edges = new LineSegments(new BufferGeometry(), this.#edge);
   readonly #rings = new LineSegments(new BufferGeometry(), this.#edge);
   readonly #cuts: Record<Cut, Line2>;
+  readonly #channel: Group;
   readonly #labels: HTMLElement;
   readonly #stage: HTMLElement;
   #width = 1;
@@ -97,6 +98,7 @@ export class Solid {
     }
     this.#cuts = { midplane: cutLine(), diagonal: cutLine(), transversal: cutLine() };
 
+    this.#channel = this.#walls();
     const key = new DirectionalLight(0xffffff, 1.9);
     key.position.set(-3, 7, 5);
     const rim = new DirectionalLight(0xffffff, 0.7);
@@ -108,7 +110,7 @@ export class Solid {
       this.#edges,
       this.#rings,
       ...Object.values(this.#cuts),
-      this.#walls(),
+      this.#channel,
     );
 
     this.#controls = new OrbitControls(this.#camera, canvas);
@@ -138,6 +140,14 @@ export class Solid {
       mesh.geometry.dispose();
       mesh.geometry = new BufferGeometry().setIndex(new BufferAttribute(triangles, 1));
     }
+  }
+
+  /** Shows the channel, or leaves it out for a model that has none. */
+  setChannel(exists: boolean): void {
+    for (const part of [this.#edges, this.#rings, this.#channel]) {
+      part.visible = exists;
+    }
+    this.#labels.hidden = !exists;
   }
 
   /** Takes the colours of the theme; call it again when the theme changes. */

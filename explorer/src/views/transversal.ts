@@ -1,4 +1,4 @@
-import { hatch, label, onResize, path, set, svg } from "./svg";
+import { drawnUnit, hatch, label, onResize, path, set, svg } from "./svg";
 
 /** What the transversal section shows. */
 export interface TransversalScene {
@@ -21,6 +21,7 @@ export class Transversal {
   readonly #miss: SVGTextElement;
   readonly #fill: string;
   #size = 0;
+  #unit = "";
   #scene: TransversalScene | undefined;
 
   constructor(stage: HTMLElement) {
@@ -67,7 +68,8 @@ export class Transversal {
       parts.push(below, beside);
     }
     const y = svg("text", { x: toX(0.5), y: floor + 14, class: "axis-name", "text-anchor": "middle" });
-    y.innerHTML = '<tspan class="symbol">y</tspan> [ℓ]';
+    this.#unit = drawnUnit();
+    y.innerHTML = `<tspan class="symbol">y</tspan> [${this.#unit}]`;
     const z = svg("text", { x: AXIS - 6, y: toY(0.5) + 4, class: "axis-name", "text-anchor": "end" });
     z.innerHTML = '<tspan class="symbol">z</tspan>';
     this.#frame.replaceChildren(...parts, y, z);
@@ -77,6 +79,7 @@ export class Transversal {
   #redraw(): void {
     const scene = this.#scene;
     if (scene === undefined || this.#size === 0) return;
+    if (this.#unit !== drawnUnit()) this.#layOut();
     const [toX, toY] = [this.#toX, this.#toY];
     const loop = (curve: Float32Array) =>
       `${path(
