@@ -5,11 +5,11 @@
 //! interface, so that two versions can be linked into one program; the header has plain names for them.
 //!
 //! This crate is the only one with unsafe code in the online stage. It is needed to read and write what C points to, and
-//! stays in [`memory`] and [`opaque`]; what the caller has to keep is said at each function, what can be checked is.
+//! stays in `memory` and `opaque`; what the caller has to keep is said at each function, what can be checked is.
 #![no_std]
 
 mod error;
-mod functions;
+pub mod functions;
 mod memory;
 mod opaque;
 mod status;
