@@ -110,7 +110,15 @@ const STEP: f64 = 0.02;
 fn questions(model: &Model<'_>) -> Vec<Question> {
     let contents = model.contents();
     let end = f64::from(model.end_time());
-    let [ca, al] = contents.metadata.parameters.map(|range| [range.min, range.max]);
+    let range = |index: usize| {
+        contents
+            .metadata
+            .parameters
+            .get(index)
+            .map_or([0.0; 2], |range| [range.min, range.max])
+    };
+    let (ca, al) = (range(0), range(1));
+    let steady_limit = |confinement: f64| model.steady_limit(confinement).unwrap_or(ca[1]);
     let mut questions = Vec::new();
     let mut asks = Ask::ALL.into_iter().map(|(ask, _)| ask).cycle();
     let mut ask = |method, extrapolate, numbers: [f64; 4], count: usize| {
@@ -128,7 +136,7 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
     let place = |i: usize, share: f64| (0.5 + i as f64 * share).fract();
     for i in 0..160 {
         let confinement = al[0] + place(i, 0.754_877_666_246_693) * (al[1] - al[0]);
-        let most = model.steady_limit(confinement).min(ca[1]);
+        let most = steady_limit(confinement).min(ca[1]);
         let capillary_number = ca[0] + place(i, 0.569_840_290_998_053) * (most - ca[0]);
         let t = end * place(i, 0.419_643_377_607_081);
         ask(Method::Direct, false, [capillary_number, confinement, STEP, t], 1);
@@ -146,9 +154,9 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
     }
     // Corners, edges, the clusters' borders, samples, the steady limit.
     for confinement in [al[0], al[1], 0.5 * (al[0] + al[1])] {
-        let limit: f64 = model.steady_limit(confinement);
+        let limit = steady_limit(confinement);
         for capillary_number in [ca[0], ca[1], limit, 0.5 * (ca[0] + limit), 1.01 * limit] {
-            let outside = model.domain(capillary_number, confinement) != Domain::Inside;
+            let outside = model.domain([capillary_number, confinement]) != Domain::Inside;
             ask(Method::Direct, false, [capillary_number, confinement, STEP, 2.0], 2);
             if outside {
                 ask(Method::Direct, true, [capillary_number, confinement, STEP, 2.0], 2);
@@ -156,7 +164,7 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
         }
     }
     for cluster in &contents.clusters {
-        for confinement in [cluster.confinement_min, cluster.confinement_max] {
+        for confinement in [cluster.min, cluster.max] {
             for offset in [-1e-3, 0.0, 1e-3] {
                 ask(Method::Direct, true, [0.05, confinement + offset, STEP, 1.5], 2);
             }
@@ -170,7 +178,7 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
     // The paper's method, with other steps too, forward in time and back.
     for (i, step) in [STEP, 0.05, 0.2, STEP, 0.1, STEP, 0.04, STEP].into_iter().enumerate() {
         let confinement = al[0] + place(i, 0.754_877_666_246_693) * (al[1] - al[0]);
-        let most = model.steady_limit(confinement).min(ca[1]);
+        let most = steady_limit(confinement).min(ca[1]);
         let capillary_number = ca[0] + place(i, 0.569_840_290_998_053) * (most - ca[0]);
         for t in [0.01, 1.7, 4.4, 0.9] {
             ask(Method::Paper, false, [capillary_number, confinement, step, t], 1);
