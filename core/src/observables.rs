@@ -71,7 +71,9 @@ impl<T: Real> Extremes<T> {
         let mut rear_pole = None;
         for element in mesh.elements() {
             for part in mesh.flat_parts() {
-                let [a, b, c] = part.map(|corner| snapshot.node(element[corner].into()));
+                // Corners are below 6: no panic is linked.
+                let [a, b, c] =
+                    part.map(|corner| snapshot.node(element.get(corner).copied().unwrap_or_default().into()));
                 if let Some(x) = axial_crossing([a?, b?, c?], middle) {
                     rear_pole = Some(rear_pole.map_or(x, |known: T| known.min(x)));
                 }
