@@ -15,22 +15,45 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
     t: T,
 ) -> T {
     let (left_out, deviations) = (MatrixView::new(&errors.left_out), MatrixView::new(&errors.deviation));
-    let instant = |i| T::from_f32(instants.get(i, 0));
-    let last = instants.rows() - 1;
-    let upper = (0..last).find(|&i| instant(i) >= t).unwrap_or(last);
-    let lower = upper.saturating_sub(1);
-    let share = if lower == upper {
-        T::ZERO
-    } else {
-        ((t - instant(lower)) / (instant(upper) - instant(lower))).min(T::ONE)
-    };
-    let ratio = |sample: usize| {
-        let [before, after] = [lower, upper].map(|i| T::from_f32(left_out.get(sample, i)));
-        (before + share * (after - before)) / T::from_f32(deviations.get(sample, 0))
-    };
+    let between = Between::new(instants, t);
+    let ratio =
+        |sample: usize| between.value(|instant| left_out.get(sample, instant)) / T::from_f32(deviations.get(sample, 0));
     let sum = weights
         .iter()
         .map(|(sample, weight)| weight.abs() * ratio(sample))
         .sum::<T>();
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
+}
+
+/// The bound that 95 % of the errors stay below, as a multiple of the expected error.
+pub(crate) fn bound_factor<T: Real>(errors: &Errors<'_>, instants: &MatrixView<'_>, t: T) -> T {
+    let factors = MatrixView::new(&errors.bound_factors);
+    Between::new(instants, t).value(|instant| factors.get(instant, 0))
+}
+
+/// Two instants of the errors and a place between them.
+struct Between<T> {
+    lower: usize,
+    upper: usize,
+    share: T,
+}
+
+impl<T: Real> Between<T> {
+    fn new(instants: &MatrixView<'_>, t: T) -> Self {
+        let instant = |i| T::from_f32(instants.get(i, 0));
+        let last = instants.rows().saturating_sub(1);
+        let upper = (0..last).find(|&i| instant(i) >= t).unwrap_or(last);
+        let lower = upper.saturating_sub(1);
+        let share = if lower == upper {
+            T::ZERO
+        } else {
+            ((t - instant(lower)) / (instant(upper) - instant(lower))).min(T::ONE)
+        };
+        Self { lower, upper, share }
+    }
+
+    fn value(&self, at: impl Fn(usize) -> f32) -> T {
+        let [before, after] = [self.lower, self.upper].map(|i| T::from_f32(at(i)));
+        before + self.share * (after - before)
+    }
 }

@@ -249,6 +249,9 @@ fn expected_error_is_small_at_a_sample_and_grows_away_from_it() {
             let [early, middle, late] = [0.5, 1.5, 3.0].map(|t| evaluator.at(t).unwrap().expected_error());
             // The stored errors are 0.001 at t = 1 and 0.002 at t = 2.
             assert!((middle - (early + late) / 2.0).abs() < 1e-12 && late >= early);
+            // The stored factors of the bound are 2 and 3.
+            let bound = evaluator.at(1.5).unwrap().error_bound();
+            assert!((bound - 2.5 * middle).abs() < 1e-12);
             late
         });
         assert!(errors[0] < errors[1] && errors[1] < errors[2], "{method:?}: {errors:?}");

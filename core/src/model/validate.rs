@@ -207,6 +207,7 @@ fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize
     for Errors {
         left_out,
         deviation,
+        bound_factors,
         floor,
     } in [&cluster.direct_errors, &cluster.paper_errors]
     {
@@ -216,6 +217,9 @@ fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize
         dimension("rows of the deviations", samples, deviation.rows)?;
         dimension("columns of the deviations", 1, deviation.columns)?;
         matrix("deviations", deviation, f32::MIN_POSITIVE, LARGEST)?;
+        dimension("rows of the bound's factors", error_times, bound_factors.rows)?;
+        dimension("columns of the bound's factors", 1, bound_factors.columns)?;
+        matrix("bound's factors", bound_factors, 0.0, LARGEST)?;
         setting("error floor", *floor, 0.0, 1e6)?;
     }
     Ok(())

@@ -189,6 +189,8 @@ pub struct Errors<'a> {
     pub left_out: Matrix<'a>,
     /// `[N_c, 1]`: [`Weights::deviation`](crate::interpolate::Weights::deviation) of that prediction, > 0.
     pub deviation: Matrix<'a>,
+    /// `[N_e, 1]`: the 95 % bound of the error as a multiple of the expected error, at each of the instants.
+    pub bound_factors: Matrix<'a>,
     /// Error that remains at a sample itself (truncation, storage), fraction of a.
     pub floor: f64,
 }
@@ -264,7 +266,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 14 * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 16 * MAX_CLUSTERS;
 
     /// Visits every blob in the order of the message.
     pub(crate) fn for_each_blob(&mut self, visit: &mut impl FnMut(&mut Blob<'a>)) {
@@ -293,6 +295,7 @@ impl<'a> Contents<'a> {
             for errors in [&mut cluster.direct_errors, &mut cluster.paper_errors] {
                 visit(&mut errors.left_out.blob);
                 visit(&mut errors.deviation.blob);
+                visit(&mut errors.bound_factors.blob);
             }
         }
     }

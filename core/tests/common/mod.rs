@@ -292,6 +292,7 @@ impl Family {
                 for _ in 0..2 {
                     a.f32s(samples.iter().flat_map(|_| [0.001, 0.002]));
                     a.f32s(samples.iter().map(|_| 0.01));
+                    a.f32s([2.0, 3.0]);
                 }
             }
         });
@@ -328,6 +329,7 @@ impl Family {
             let mut errors = || Errors {
                 left_out: f32(count, 2, blob()),
                 deviation: f32(count, 1, blob()),
+                bound_factors: f32(2, 1, blob()),
                 floor: 1e-5,
             };
             let (direct_errors, paper_errors) = (errors(), errors());

@@ -19,7 +19,9 @@ mod progress;
 mod record;
 mod solver_options;
 mod source;
+mod study_fresh;
 mod study_leave_one_out;
+mod study_sample;
 mod study_smoothness;
 mod study_speed;
 mod sweep;
@@ -107,6 +109,10 @@ enum Offline {
 enum Study {
     /// Predict each sample from all the others and compare
     LeaveOneOut(study_leave_one_out::Options),
+    /// Compare the model with configurations that no sample shares
+    Fresh(study_fresh::Options),
+    /// Suggest the configurations to compute next
+    Sample(study_sample::Options),
     /// How smooth the samples of a database are along its rows: the floor of a model's error
     Smoothness(study_smoothness::Options),
     /// Time of a query, a trajectory, a surface, an outline
@@ -126,6 +132,8 @@ fn main() -> ExitCode {
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
+        Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
+        Command::Study(Study::Sample(options)) => study_sample::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Speed(options)) => study_speed::run(&options),
         Command::Completions { shell } => {

@@ -3,14 +3,17 @@
 use capsule_core::Model;
 use capsule_core::model::wire::Reference;
 use capsule_database::{Collection, Database};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::border::{Jump, border, jumps};
+use crate::bound::bound_factors;
+use crate::compare::{METHODS, distances, predictions};
 use crate::hausdorff::Sector;
-use crate::leave_one_out::{METHODS, errors, plan_leave_one_out};
+use crate::leave_one_out::each_left_out;
 use crate::limit::{SteadyLimit, curve, steady_limits};
 use crate::pod::{DoublePod, Rule, Snapshots};
-use crate::samples::{Part, SAME_ROW, Sample, clusters, common_symmetry, of_collection, read};
+use crate::samples::{Part, SAME_ROW, Sample, clusters, common_symmetry, instants, of_collection, read};
 use crate::spectra::laboratory;
 use crate::writer::{ClusterParts, Domain, ErrorParts, MeshParts, Numbers, Units, write};
 use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum, Truncation};
@@ -46,6 +49,8 @@ pub struct BuildReport {
     pub jumps: Vec<Jump>,
     /// Singular values: of the whole database in the laboratory frame as in the paper, then of each cluster.
     pub spectra: Vec<Spectrum>,
+    /// The 95 % bound of the error over the expected error at each instant: direct and paper's method.
+    pub bound_factors: [Vec<f64>; 2],
     /// Errors at the samples, each predicted without itself.
     pub left_out: Vec<LeftOut>,
 }
@@ -133,41 +138,30 @@ pub fn build<'a>(
     progress("singular values", 1, 2);
     let reduced = plan.reduce()?;
     progress("singular values", 2, 2);
-    let left_out = plan_leave_one_out(&plan, &reduced, progress)?;
+    let built: Result<Vec<Built>, OfflineError> = reduced
+        .iter()
+        .map(|cluster| plan.cluster(cluster, &(0..cluster.part.members.len()).collect::<Vec<_>>()))
+        .collect();
+    let mut built = built?;
+    let left_out = each_left_out(&plan, &reduced, &|c, j| Ok(built[c].parts.without(&[j])), progress)?;
+    for (index, (cluster, built)) in reduced.iter().zip(&mut built).enumerate() {
+        let floors = floors(&plan, cluster, &built.parts)?;
+        for (m, method) in METHODS.into_iter().enumerate() {
+            let of_method = left_out.iter().filter(|e| e.cluster == index && e.method == method);
+            built.parts.errors[m] = ErrorParts::new(of_method, plan.error_times().len(), floors[m]);
+        }
+    }
+    progress("error bounds", 0, 1);
+    let factors = bound_factors(&plan, &reduced, &built.iter().map(|b| &b.parts).collect::<Vec<_>>())?;
+    progress("error bounds", 1, 1);
 
     let mut parts = Vec::new();
     let mut reports = Vec::new();
-    for (index, cluster) in reduced.iter().enumerate() {
-        let all: Vec<usize> = (0..cluster.part.members.len()).collect();
-        let mut built = plan.cluster(cluster, &all)?;
-        let bytes = plan.write(&[&built.parts])?;
-        let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
-        let mut floors = [0.0; 2];
-        for (m, method) in METHODS.into_iter().enumerate() {
-            let of_method: Vec<&LeftOut> = left_out
-                .iter()
-                .filter(|e| e.cluster == index && e.method == method)
-                .collect();
-            let mut sum = 0.0;
-            for j in &cluster.part.members {
-                let sample = &plan.samples[*j];
-                let failed = |source| OfflineError::Evaluate {
-                    parameters: sample.parameters.clone(),
-                    source,
-                };
-                let (distances, _) =
-                    errors(&model, &sample.parameters, method, &sample.truth, &plan.sector).map_err(failed)?;
-                sum += distances.iter().sum::<f64>() / distances.len() as f64;
-            }
-            floors[m] = sum / cluster.part.members.len() as f64;
-            built.parts.errors[m] = ErrorParts {
-                left_out: Numbers::new(of_method.len(), plan.error_times().len(), |j, i| {
-                    of_method[j].laboratory[i]
-                }),
-                deviation: Numbers::new(of_method.len(), 1, |j, _| of_method[j].deviation.max(1e-12)),
-                floor: floors[m],
-            };
+    for (cluster, mut built) in reduced.iter().zip(built) {
+        for (errors, factors) in built.parts.errors.iter_mut().zip(&factors) {
+            errors.bound_factors = Numbers::column(factors);
         }
+        let floors = built.parts.errors.each_ref().map(|errors| errors.floor);
         let [displacement, velocity] = &built.pods;
         for (matrix, values) in [
             ("S_u", &displacement.parameter_values),
@@ -207,9 +201,33 @@ pub fn build<'a>(
         database_digest: plan.domain.database_digest,
         clusters: reports,
         spectra,
+        bound_factors: factors,
         left_out,
     };
     Ok((bytes, report))
+}
+
+/// Mean error of each method at the samples themselves, over samples and instants.
+fn floors(plan: &Plan, cluster: &Reduced, parts: &ClusterParts) -> Result<[f64; 2], OfflineError> {
+    let bytes = plan.write(&[parts])?;
+    let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
+    let floor = |method| {
+        let members = &cluster.part.members;
+        let means = members.par_iter().map(|j| {
+            let sample = &plan.samples[*j];
+            let failed = |source| OfflineError::Evaluate {
+                parameters: sample.parameters.clone(),
+                source,
+            };
+            let predictions = predictions(&model, &sample.parameters, method, &sample.truth).map_err(failed)?;
+            let [errors, _] = distances(&model, &sample.parameters, &predictions, &sample.truth, &plan.sector);
+            Ok(errors.iter().sum::<f64>() / errors.len() as f64)
+        });
+        let means: Result<Vec<f64>, OfflineError> = means.collect();
+        Ok(means?.iter().sum::<f64>() / members.len() as f64)
+    };
+    let [direct, paper]: [Result<f64, OfflineError>; 2] = METHODS.map(floor);
+    Ok([direct?, paper?])
 }
 
 fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
@@ -224,7 +242,7 @@ fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
 }
 
 /// Instants closer than this (l/V) are the same.
-const SAME_TIME: f64 = 1e-9;
+pub(crate) const SAME_TIME: f64 = 1e-9;
 
 fn check_parameters(database: &Database) -> Result<(), OfflineError> {
     let parameters = &database.description().parameters;
@@ -303,7 +321,7 @@ impl<'a> Plan<'a> {
             ranges,
             border: border(&jumps, &samples.iter().map(|s| s.parameters[1]).collect::<Vec<_>>()),
             steady_limit: curve(&brackets),
-            times: database.times().to_vec(),
+            times: instants(database.times(), settings.spacing),
             error_times,
             database_digest: format!("{:016x}", database.digest()?),
         };

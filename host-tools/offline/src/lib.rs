@@ -13,7 +13,9 @@
 //! Lengths are in l, velocities in V, times in l/V.
 
 mod border;
+mod bound;
 mod build;
+mod compare;
 mod error;
 mod hausdorff;
 mod leave_one_out;
@@ -22,17 +24,20 @@ mod pod;
 mod samples;
 mod settings;
 mod spectra;
+mod subsets;
 mod svd;
 mod writer;
 
 pub use border::Jump;
 pub use build::{BuildReport, ClusterReport, FieldReport, Source, build};
+pub use compare::{Comparison, compare};
 pub use error::OfflineError;
 pub use hausdorff::modified_hausdorff;
 pub use leave_one_out::{LeftOut, leave_one_out};
 pub use limit::{SteadyLimit, steady_limits};
 pub use settings::{Design, Ranks, Settings, Split, Storage, Truncation};
 pub use spectra::{Spectrum, one_minus_ric};
+pub use subsets::Subsets;
 
 /// Progress of a long task: what is done, how many steps of it are finished, and of how many.
 pub type Progress<'a> = &'a (dyn Fn(&str, usize, usize) + Sync);

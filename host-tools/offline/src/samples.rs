@@ -63,7 +63,12 @@ pub(crate) fn read(
         .collect();
     let done = std::sync::atomic::AtomicUsize::new(0);
     let samples = entries.par_iter().map(|entry| {
-        let sample = sample(database, &database.read(&entry.parameters)?, truth_times)?;
+        let sample = sample(
+            database,
+            &database.read(&entry.parameters)?,
+            settings.spacing,
+            truth_times,
+        )?;
         progress(
             "read snapshots",
             1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed),
@@ -101,7 +106,22 @@ fn takes_part(entry: &Entry, instants: usize, limits: &[SteadyLimit], settings: 
     chosen && complete
 }
 
-fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Result<Sample, OfflineError> {
+/// Those of increasing instants that a model keeps ([`Settings::spacing`]): the first, the last and what lies far enough
+/// from the one kept before.
+pub(crate) fn instants(times: &[f64], spacing: f64) -> Vec<f64> {
+    let mut kept: Vec<f64> = Vec::new();
+    for (i, time) in times.iter().enumerate() {
+        let far = kept
+            .last()
+            .is_none_or(|last| time - last > spacing * time * (1.0 - 1e-9));
+        if far || i + 1 == times.len() {
+            kept.push(*time);
+        }
+    }
+    kept
+}
+
+fn sample(database: &Database, stored: &Trajectory, spacing: f64, truth_times: &[f64]) -> Result<Sample, OfflineError> {
     let (mesh, symmetry) = (database.mesh(), database.symmetry());
     for field in stored.positions.iter().chain(&stored.velocities) {
         let deviation = symmetry.deviation(field)?;
@@ -114,7 +134,8 @@ fn sample(database: &Database, stored: &Trajectory, truth_times: &[f64]) -> Resu
             });
         }
     }
-    let times = database.times();
+    let times = instants(database.times(), spacing);
+    let times = &times[..];
     let end = stored.times.last().copied().unwrap_or(0.0);
     let trajectory = stored.extended(mesh, times)?;
     let confinement = stored.parameters[1];
@@ -164,6 +185,14 @@ fn states(mesh: &Mesh, symmetry: &Symmetry, scale: f64, trajectory: &Trajectory,
         }),
     };
     [displacement, velocity]
+}
+
+impl Truth {
+    /// A configuration of a database at some instants.
+    pub(crate) fn read(database: &Database, parameters: &[f64], times: &[f64]) -> Result<Vec<Self>, OfflineError> {
+        let stored = database.read(parameters)?;
+        Ok(truths(stored.extended(database.mesh(), times)?))
+    }
 }
 
 /// A trajectory as what predictions are compared with.
@@ -268,6 +297,11 @@ pub(crate) struct Part {
     pub(crate) members: Vec<usize>,
 }
 
+/// The fewest samples of a cluster: as many as a quadratic has coefficients, and one more that may be left out.
+pub(crate) fn needed(parameters: usize) -> usize {
+    (parameters + 1) * (parameters + 2) / 2 + 1
+}
+
 /// The clusters: samples up to the split, and from it on; the row at the split belongs to both. One cluster when all
 /// samples lie on one side.
 ///
@@ -291,7 +325,7 @@ pub(crate) fn clusters(samples: &[Sample], split: Option<Split>, names: &[String
         let members: Vec<usize> = (0..samples.len())
             .filter(|j| inside(samples[*j].parameters[parameter]))
             .collect();
-        let needed = (names.len() + 1) * (names.len() + 2) / 2 + 1;
+        let needed = needed(names.len());
         if members.len() < needed {
             return Err(OfflineError::TooFewSamples {
                 parameter: names[parameter].clone(),

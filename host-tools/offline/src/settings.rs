@@ -34,6 +34,9 @@ pub struct Settings {
     pub truncation: Truncation,
     /// How modes and coefficients are stored.
     pub storage: Storage,
+    /// The instants that are kept, as the motion slows down: none follows another by less than this share of its time. 0
+    /// keeps all.
+    pub spacing: f64,
     /// The direct method.
     pub kernel: Kernel,
     /// The paper's method.
@@ -136,6 +139,7 @@ impl Default for Settings {
                 velocity: 1e-3,
             },
             storage: Storage::Integer,
+            spacing: 0.05,
             kernel: Kernel {
                 neighbours: 24,
                 scales: [2.0, 1.0, 1.0, 1.0],

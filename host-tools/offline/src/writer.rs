@@ -10,12 +10,13 @@ use faer::Mat;
 
 use crate::pod::{DoublePod, Snapshots, product};
 use crate::settings::Storage;
-use crate::{OfflineError, Settings};
+use crate::{LeftOut, OfflineError, Settings};
 
 /// A reference coordinate closer to a plane than this share of the radius lies on it.
 const ON_PLANE: f64 = 1e-9;
 
 /// A matrix as the file holds it, row-major.
+#[derive(Clone)]
 pub(crate) struct Numbers {
     rows: usize,
     columns: usize,
@@ -65,6 +66,24 @@ impl Numbers {
 
     pub(crate) fn column(values: &[f64]) -> Self {
         Numbers::new(values.len(), 1, |i, _| values[i])
+    }
+
+    /// Without the rows at these places.
+    fn without(&self, out: &[usize]) -> Self {
+        // The units of the columns come first, then the rows.
+        let units = match self.encoding {
+            Encoding::I16 => 4 * self.columns,
+            _ => 0,
+        };
+        let (units, entries) = self.bytes.split_at(units);
+        let width = entries.len() / self.rows.max(1);
+        let mut bytes = units.to_vec();
+        let mut rows = 0;
+        for row in (0..self.rows).filter(|row| !out.contains(row)) {
+            bytes.extend(&entries[row * width..(row + 1) * width]);
+            rows += 1;
+        }
+        Numbers { rows, bytes, ..*self }
     }
 
     fn matrix(&self) -> Matrix<'_> {
@@ -191,6 +210,8 @@ pub(crate) struct ErrorParts {
     pub(crate) left_out: Numbers,
     /// `[N_c, 1]`
     pub(crate) deviation: Numbers,
+    /// `[N_e, 1]`
+    pub(crate) bound_factors: Numbers,
     pub(crate) floor: f64,
 }
 
@@ -200,7 +221,29 @@ impl ErrorParts {
         ErrorParts {
             left_out: Numbers::new(samples, times, |_, _| 0.0),
             deviation: Numbers::new(samples, 1, |_, _| 1.0),
+            bound_factors: Numbers::new(times, 1, |_, _| 1.0),
             floor: 0.0,
+        }
+    }
+
+    /// The errors of all samples of a cluster, in their order.
+    pub(crate) fn new<'a>(errors: impl IntoIterator<Item = &'a LeftOut>, times: usize, floor: f64) -> Self {
+        let errors: Vec<&LeftOut> = errors.into_iter().collect();
+        ErrorParts {
+            left_out: Numbers::new(errors.len(), times, |j, i| errors[j].laboratory[i]),
+            deviation: Numbers::new(errors.len(), 1, |j, _| errors[j].deviation.max(1e-12)),
+            floor,
+            ..ErrorParts::unknown(0, times)
+        }
+    }
+
+    /// Without the samples at these places.
+    fn without(&self, out: &[usize]) -> Self {
+        ErrorParts {
+            left_out: self.left_out.without(out),
+            deviation: self.deviation.without(out),
+            bound_factors: self.bound_factors.clone(),
+            floor: self.floor,
         }
     }
 
@@ -208,11 +251,13 @@ impl ErrorParts {
         Errors {
             left_out: self.left_out.matrix(),
             deviation: self.deviation.matrix(),
+            bound_factors: self.bound_factors.matrix(),
             floor: self.floor,
         }
     }
 }
 
+#[derive(Clone)]
 struct FieldParts {
     modes: Numbers,
     translation: Numbers,
@@ -231,6 +276,14 @@ impl FieldParts {
                 coefficients[row / rank][(1 + row % rank, l)]
             }),
             parameter_modes: Numbers::new(pod.parameter_modes.nrows(), columns, |j, l| pod.parameter_modes[(j, l)]),
+        }
+    }
+
+    /// Without the samples at these places.
+    fn without(&self, out: &[usize]) -> Self {
+        FieldParts {
+            parameter_modes: self.parameter_modes.without(out),
+            ..self.clone()
         }
     }
 
@@ -284,6 +337,18 @@ impl ClusterParts {
             velocity: FieldParts::new(&modes_v, velocity.1, &mesh.scales, storage),
             cross_product,
             errors: [unknown(), unknown()],
+        }
+    }
+
+    /// Without the samples at these places: the modes and coefficients stay.
+    pub(crate) fn without(&self, out: &[usize]) -> Self {
+        ClusterParts {
+            samples: self.samples.without(out),
+            displacement: self.displacement.without(out),
+            velocity: self.velocity.without(out),
+            errors: self.errors.each_ref().map(|errors| errors.without(out)),
+            cross_product: self.cross_product.clone(),
+            range: self.range,
         }
     }
 
@@ -419,7 +484,7 @@ pub(crate) fn write(
         room += cluster
             .errors
             .iter()
-            .map(|e| e.left_out.bytes.len() + e.deviation.bytes.len())
+            .map(|e| e.left_out.bytes.len() + e.deviation.bytes.len() + e.bound_factors.bytes.len())
             .sum::<usize>();
     }
     let mut buffer = vec![0; room];

@@ -17,6 +17,9 @@ pub enum StudyError {
     /// The model did not answer.
     #[error("the model cannot be evaluated: {0}")]
     Evaluate(EvaluateError),
+    /// The test set and the model have nothing in common.
+    #[error("no configuration of the test set lies in the model's domain, with snapshots at the instants compared")]
+    NothingToCompare,
     /// Nothing was to be measured.
     #[error("{queries} queries and {repetitions} repetitions; at least 2 and 1 are needed")]
     NothingToMeasure {

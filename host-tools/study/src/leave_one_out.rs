@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use capsule_core::Method;
-use capsule_offline::{LeftOut, Progress, Settings, Source};
+use capsule_offline::{Comparison, LeftOut, Progress, Settings, Source};
 use serde::Serialize;
 
 use crate::{StudyError, name};
@@ -79,11 +79,25 @@ pub fn leave_one_out<'a>(
     ))
 }
 
+impl SampleErrors {
+    /// Those of a comparison.
+    pub(crate) fn of(comparison: &Comparison) -> Self {
+        Self {
+            parameters: comparison.parameters.clone(),
+            lab_percent: percent(&comparison.laboratory),
+            shape_percent: percent(&comparison.shape),
+        }
+    }
+}
+
+fn percent(fractions: &[f64]) -> Vec<f64> {
+    fractions.iter().map(|f| 100.0 * f).collect()
+}
+
 impl Report {
     /// The report of given errors at given instants.
     #[must_use]
     pub fn new(parameters: Vec<String>, times: &[f64], errors: &[LeftOut], default: Method) -> Self {
-        let percent = |fractions: &[f64]| fractions.iter().map(|f| 100.0 * f).collect();
         let mut report = Report {
             default: name(default),
             parameters,
@@ -101,18 +115,7 @@ impl Report {
                     shape_percent: percent(&e.shape),
                 })
                 .collect();
-            let instants = times.iter().enumerate().map(|(i, t)| {
-                let (lab_mean_percent, lab_max_percent) = mean_and_max(values.iter().map(|v| v.lab_percent[i]));
-                let (shape_mean_percent, shape_max_percent) = mean_and_max(values.iter().map(|v| v.shape_percent[i]));
-                InstantErrors {
-                    t: *t,
-                    lab_mean_percent,
-                    lab_max_percent,
-                    shape_mean_percent,
-                    shape_max_percent,
-                }
-            });
-            report.methods.insert(name(method), instants.collect());
+            report.methods.insert(name(method), instant_errors(times, &values));
             report.samples = values.len();
             report.values.insert(name(method), values);
         }
@@ -140,6 +143,22 @@ impl Report {
         }
         text
     }
+}
+
+/// Mean and maximum over samples at each instant.
+pub(crate) fn instant_errors(times: &[f64], values: &[SampleErrors]) -> Vec<InstantErrors> {
+    let at = |(i, t): (usize, &f64)| {
+        let (lab_mean_percent, lab_max_percent) = mean_and_max(values.iter().map(|v| v.lab_percent[i]));
+        let (shape_mean_percent, shape_max_percent) = mean_and_max(values.iter().map(|v| v.shape_percent[i]));
+        InstantErrors {
+            t: *t,
+            lab_mean_percent,
+            lab_max_percent,
+            shape_mean_percent,
+            shape_max_percent,
+        }
+    };
+    times.iter().enumerate().map(at).collect()
 }
 
 fn mean_and_max(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -1,11 +1,14 @@
 //! How good a model is, and how fast: leave-one-out errors as in the paper's Fig. 13, and run times.
 
 mod error;
+mod fresh;
 mod leave_one_out;
+pub mod sample;
 pub mod smoothness;
 pub mod speed;
 
 pub use error::StudyError;
+pub use fresh::{Fresh, InstantStated, Stated, fresh};
 pub use leave_one_out::{InstantErrors, Report, SampleErrors, leave_one_out};
 
 use capsule_core::Method;

@@ -1,0 +1,103 @@
+//! `capsule-rom study fresh`: the model against configurations that no sample shares.
+
+use crate::{model, print, progress};
+use anyhow::{Context, Result};
+use capsule_database::Database;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Model file [default: the shipped one]
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Folder of the test set, a snapshot database
+    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
+    tests: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Write the errors of every configuration as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  capsule-rom study fresh
+  capsule-rom study fresh --model mine.crom --tests runs/ --json
+
+Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
+the shape alone (in the frame of the centroid), at the configurations of a test set that lie in the model's domain. Beside
+them what the model itself states: the expected error, and the bound that 95 % of the errors should stay below.";
+
+pub fn run(options: &Options) -> Result<()> {
+    let bytes = model::read(options.model.as_deref())?;
+    let model = model::open(&bytes, options.model.as_deref())?;
+    let tests = Database::open(&options.tests)?;
+    let bar = progress::tasks(options.quiet);
+    let fresh = capsule_study::fresh(&model, &tests, &|task, done, of| {
+        progress::show(&bar, task, done, of);
+    })?;
+    bar.finish_and_clear();
+    if let Some(file) = &options.csv {
+        std::fs::write(file, fresh.csv()).with_context(|| format!("could not write {}", file.display()))?;
+    }
+    if options.json {
+        return print::json(&fresh);
+    }
+    println!(
+        "{} configurations; per cent of a; default method: {}",
+        fresh.samples, fresh.default
+    );
+    let rows: Vec<Vec<String>> = fresh
+        .methods
+        .iter()
+        .flat_map(|(method, errors)| {
+            let stated = &fresh.stated[method].instants;
+            errors
+                .iter()
+                .zip(stated)
+                .map(move |(errors, stated)| (method, errors, stated))
+        })
+        .map(|(method, errors, stated)| {
+            let cells = [
+                errors.lab_mean_percent,
+                errors.lab_max_percent,
+                errors.shape_mean_percent,
+                errors.shape_max_percent,
+                stated.expected_mean_percent,
+                stated.bound_mean_percent,
+                stated.below_bound_percent,
+            ];
+            let names = [method.to_string(), errors.t.to_string()];
+            names
+                .into_iter()
+                .chain(cells.map(|cell| format!("{cell:.3}")))
+                .collect()
+        })
+        .collect();
+    let headings = [
+        "method",
+        "t",
+        "lab mean",
+        "lab max",
+        "shape mean",
+        "shape max",
+        "expected",
+        "bound",
+        "below bound",
+    ];
+    print::table(&headings, &rows)?;
+    for (method, stated) in &fresh.stated {
+        println!(
+            "{method}: {:.1} % below the bound; volume within {:.4} %; outermost node {:.4} l from the wall",
+            stated.below_bound_percent, stated.volume_max_percent, -stated.beyond_walls
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! `capsule-rom study sample`: which configurations to compute next.
+
+use crate::{model, print, progress};
+use anyhow::{Context, Result};
+use capsule_database::Database;
+use capsule_study::sample::{Replayed, Suggestion, replay, suggest};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    /// Model file [default: the shipped one]
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// How many configurations
+    #[arg(long, default_value_t = 10)]
+    count: usize,
+    /// Instants up to this one count, in l/V
+    #[arg(long, default_value_t = 8.0, value_name = "T")]
+    until: f64,
+    /// Write the suggestions as CSV, for `fom sweep --points`
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Choose a design of this size anew out of --database and compare it with the paper's grid on --tests
+    #[arg(long, value_name = "SAMPLES")]
+    replay: Option<usize>,
+    /// Folder of the snapshot database
+    #[arg(long, value_name = "DIR", default_value = "models/database")]
+    database: PathBuf,
+    /// Folder of the test set
+    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
+    tests: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  capsule-rom study sample --count 20 --csv points.csv
+  capsule-rom fom sweep --database models/database --mesh 13 --points points.csv
+  capsule-rom study sample --replay 60
+
+Suggests the configurations at which the model expects to err most, each with those before it added.";
+
+/// Every so many samples of the grid are in the design that a replay starts with.
+const START: usize = 4;
+/// Samples that a replay adds before it measures the errors again.
+const BATCH: usize = 6;
+
+#[derive(Serialize)]
+struct Suggestions {
+    suggestions: Vec<Suggestion>,
+}
+
+#[derive(Serialize)]
+struct Replay {
+    designs: Vec<Replayed>,
+}
+
+pub fn run(options: &Options) -> Result<()> {
+    if let Some(most) = options.replay {
+        return run_replay(options, most);
+    }
+    let bytes = model::read(options.model.as_deref())?;
+    let model = model::open(&bytes, options.model.as_deref())?;
+    let suggestions = suggest(&model, options.count, options.until)?;
+    let names = model.contents().metadata.parameters.iter().map(|p| p.name);
+    // As the columns of `fom sweep --points` are called.
+    let names = names.map(|name| if name == "capillary_number" { "ca" } else { name });
+    let headings: Vec<&str> = names.chain(["expected_percent"]).collect();
+    let row = |s: &Suggestion| -> Vec<String> {
+        let parameters = s.parameters.iter().map(f64::to_string);
+        parameters.chain([format!("{:.4}", s.expected_percent)]).collect()
+    };
+    let rows: Vec<Vec<String>> = suggestions.iter().map(row).collect();
+    if let Some(file) = &options.csv {
+        let lines = std::iter::once(headings.join(",")).chain(rows.iter().map(|row| row.join(",")));
+        let text: String = lines.map(|line| line + "\n").collect();
+        std::fs::write(file, text).with_context(|| format!("could not write {}", file.display()))?;
+    }
+    if options.json {
+        return print::json(&Suggestions { suggestions });
+    }
+    print::table(&headings, &rows)
+}
+
+fn run_replay(options: &Options, most: usize) -> Result<()> {
+    let database = Database::open(&options.database)?;
+    let tests = Database::open(&options.tests)?;
+    let bar = progress::tasks(options.quiet);
+    let designs = replay(
+        &database,
+        &tests,
+        [START, BATCH, most],
+        options.until,
+        &|task, done, of| {
+            progress::show(&bar, task, done, of);
+        },
+    )?;
+    bar.finish_and_clear();
+    if options.json {
+        return print::json(&Replay { designs });
+    }
+    let rows: Vec<Vec<String>> = designs
+        .iter()
+        .map(|design| {
+            let errors = design.fresh.methods["direct"]
+                .iter()
+                .filter(|e| e.t >= 1.0 && e.t <= options.until);
+            let worst = |value: fn(&capsule_study::InstantErrors) -> f64| {
+                format!("{:.3}", errors.clone().map(value).fold(0.0, f64::max))
+            };
+            vec![
+                design.design.to_owned(),
+                design.samples.to_string(),
+                worst(|e| e.lab_mean_percent),
+                worst(|e| e.lab_max_percent),
+                worst(|e| e.shape_mean_percent),
+                worst(|e| e.shape_max_percent),
+            ]
+        })
+        .collect();
+    print::table(
+        &["design", "samples", "lab mean", "lab max", "shape mean", "shape max"],
+        &rows,
+    )
+}

@@ -1,0 +1,194 @@
+//! A model's answers beside the full-order solution.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use capsule_core::model::wire::Method;
+use capsule_core::{Domain, EvaluateError, Evaluator, Frame, Model, Nodes, Parameters, Query, Scene, Workspace};
+use capsule_database::Database;
+use rayon::prelude::*;
+
+use crate::hausdorff::{Sector, symmetric_modified_hausdorff};
+use crate::samples::Truth;
+use crate::{OfflineError, Progress};
+
+/// The methods, in the order of the file's error tables.
+pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
+
+/// The error, as a fraction of a, of a prediction that ran away. Forward Euler may: a model says so, rather than not be
+/// built.
+const DIVERGED: f64 = 1e3;
+
+/// What a method errs at one configuration, at some instants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The parameters.
+    pub parameters: Vec<f64>,
+    /// The method.
+    pub method: Method,
+    /// Modified Hausdorff distance in the laboratory frame at each instant, as a fraction of a.
+    pub laboratory: Vec<f64>,
+    /// The same in the frame of the volume centroid: of the shape alone.
+    pub shape: Vec<f64>,
+    /// The error that the model expects: laboratory frame, fraction of a.
+    pub expected: Vec<f64>,
+    /// The bound that the model gives for it.
+    pub bound: Vec<f64>,
+    /// Greatest relative error of the volume.
+    pub volume: f64,
+    /// How far the outermost node is beyond the walls, in l; negative within.
+    pub beyond_walls: f64,
+}
+
+/// Compares a model by all methods with the configurations of a database that lie in its domain, at those of the `times`
+/// at which there are snapshots; these come first. A configuration that was steady before is extended.
+///
+/// # Errors
+/// The database's errors; [`OfflineError::Evaluate`] where the model does not answer.
+pub fn compare(
+    model: &Model,
+    database: &Database,
+    times: &[f64],
+    progress: Progress,
+) -> Result<(Vec<f64>, Vec<Comparison>), OfflineError> {
+    let known = |time: &f64| {
+        database
+            .times()
+            .iter()
+            .any(|t| (t - time).abs() < crate::build::SAME_TIME)
+    };
+    let times: Vec<f64> = times.iter().copied().filter(known).collect();
+    let sector = Sector::of(database.symmetry());
+    let entries = database.entries()?;
+    let inside = entries.iter().filter(|entry| {
+        let complete = entry.status.is_steady() || entry.snapshots == database.times().len();
+        let parameters = Parameters::new(&entry.parameters);
+        complete && parameters.is_some_and(|parameters| model.domain(parameters) == Domain::Inside)
+    });
+    let inside: Vec<&[f64]> = inside.map(|entry| &entry.parameters[..]).collect();
+    let done = AtomicUsize::new(0);
+    let compared = inside.par_iter().map(|parameters| {
+        let truth = Truth::read(database, parameters, &times)?;
+        let compared = METHODS.map(|method| one(model, database, parameters, method, &truth, &sector));
+        progress("compare", 1 + done.fetch_add(1, Ordering::Relaxed), inside.len());
+        let [direct, paper] = compared;
+        Ok([direct?, paper?])
+    });
+    let compared: Result<Vec<[Comparison; 2]>, OfflineError> = compared.collect();
+    Ok((times, compared?.into_iter().flatten().collect()))
+}
+
+fn one(
+    model: &Model,
+    database: &Database,
+    parameters: &[f64],
+    method: Method,
+    truth: &[Truth],
+    sector: &Sector,
+) -> Result<Comparison, OfflineError> {
+    let predictions = predictions(model, parameters, method, truth).map_err(|source| OfflineError::Evaluate {
+        parameters: parameters.to_vec(),
+        source,
+    })?;
+    let [laboratory, shape] = distances(model, parameters, &predictions, truth, sector);
+    let (mut volume, mut beyond_walls) = (0.0, f64::NEG_INFINITY);
+    for (prediction, truth) in predictions.iter().zip(truth) {
+        let Some(positions) = &prediction.positions else {
+            (volume, beyond_walls) = (f64::INFINITY, f64::INFINITY);
+            continue;
+        };
+        let (found, _) = database.mesh().volume_and_centroid(positions)?;
+        let (expected, _) = database.mesh().volume_and_centroid(&truth.positions)?;
+        volume = f64::max(volume, (found / expected - 1.0).abs());
+        let reach = positions.iter().map(|[_, y, z]| y.abs().max(z.abs()) - 1.0);
+        beyond_walls = reach.fold(beyond_walls, f64::max);
+    }
+    Ok(Comparison {
+        parameters: parameters.to_vec(),
+        method,
+        laboratory,
+        shape,
+        expected: predictions.iter().map(|p| p.expected).collect(),
+        bound: predictions.iter().map(|p| p.bound).collect(),
+        volume,
+        beyond_walls,
+    })
+}
+
+/// What a model says of an instant.
+pub(crate) struct Prediction {
+    /// Laboratory frame, `[N_x]`; none if the prediction ran away.
+    pub(crate) positions: Option<Vec<[f64; 3]>>,
+    pub(crate) centroid: f64,
+    pub(crate) expected: f64,
+    pub(crate) bound: f64,
+    /// Of the weights, the same at all instants.
+    pub(crate) deviation: f64,
+}
+
+/// A model's answers at the instants of the truth, also outside of its domain.
+pub(crate) fn predictions(
+    model: &Model,
+    parameters: &[f64],
+    method: Method,
+    truth: &[Truth],
+) -> Result<Vec<Prediction>, EvaluateError> {
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(model, &mut workspace)?;
+    evaluator.prepare(&Query {
+        extrapolate: true,
+        ..Query::new(given(parameters, model)?, method)
+    })?;
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mut at = |truth: &Truth| {
+        let mut instant = evaluator.at(truth.time)?;
+        let mut positions = vec![[0.0; 3]; truth.positions.len()];
+        let positions = match instant.positions(&scene, &mut positions) {
+            Err(EvaluateError::NotFinite) => None,
+            other => other.map(|_| Some(positions))?,
+        };
+        Ok(Prediction {
+            positions,
+            centroid: instant.centroid(),
+            expected: instant.expected_error(),
+            bound: instant.error_bound(),
+            deviation: instant.deviation(),
+        })
+    };
+    truth.iter().map(&mut at).collect()
+}
+
+/// The distances of predictions from the truth as fractions of a: laboratory frame, centroid frame.
+pub(crate) fn distances(
+    model: &Model,
+    parameters: &[f64],
+    predictions: &[Prediction],
+    truth: &[Truth],
+    sector: &Sector,
+) -> [Vec<f64>; 2] {
+    let radius = Parameters::new(parameters).map_or(1.0, |parameters| model.radius(parameters));
+    let distance = |prediction: &Prediction, truth: &Truth, offset: f64| match &prediction.positions {
+        None => DIVERGED,
+        Some(positions) => {
+            let moved: Vec<[f64; 3]> = positions.iter().map(|[x, y, z]| [x - offset, *y, *z]).collect();
+            (symmetric_modified_hausdorff(&moved, &truth.positions, sector) / radius).min(DIVERGED)
+        }
+    };
+    let both = || predictions.iter().zip(truth);
+    [
+        both().map(|(p, truth)| distance(p, truth, 0.0)).collect(),
+        both()
+            .map(|(p, truth)| distance(p, truth, p.centroid - truth.centroid))
+            .collect(),
+    ]
+}
+
+/// Parameters as the core takes them.
+fn given(parameters: &[f64], model: &Model) -> Result<Parameters<f64>, EvaluateError> {
+    Parameters::new(parameters).ok_or(EvaluateError::ParameterCount {
+        expected: model.contents().metadata.parameters.len(),
+        found: parameters.len(),
+    })
+}

@@ -1,0 +1,178 @@
+//! Errors on configurations that no sample shares, and whether the errors that the model states are right.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use capsule_core::{Method, Model};
+use capsule_database::Database;
+use capsule_offline::{Comparison, Progress};
+use serde::Serialize;
+
+use crate::leave_one_out::{InstantErrors, SampleErrors, instant_errors};
+use crate::{StudyError, name};
+
+/// The instants, in l/V.
+const TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
+
+/// Errors of a model on configurations of a test set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fresh {
+    /// The method that the model takes unless told otherwise.
+    pub default: &'static str,
+    /// How many configurations of the test set lie in the model's domain.
+    pub samples: usize,
+    /// For each method, the errors at each instant.
+    pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
+    /// For each method, what the model states of its errors.
+    pub stated: BTreeMap<&'static str, Stated>,
+    /// For each method, each configuration.
+    #[serde(skip)]
+    pub compared: BTreeMap<&'static str, Vec<Comparison>>,
+}
+
+/// How right the stated errors are, and two invariants.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stated {
+    /// Share of the errors below the stated 95 % bound, in per cent: at all instants together.
+    pub below_bound_percent: f64,
+    /// At each instant.
+    pub instants: Vec<InstantStated>,
+    /// Greatest relative error of the volume, in per cent.
+    pub volume_max_percent: f64,
+    /// How far the outermost node is beyond the walls, in l; negative within.
+    pub beyond_walls: f64,
+}
+
+/// What is stated of the errors at an instant: laboratory frame, per cent of a.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct InstantStated {
+    /// The instant, in l/V.
+    pub t: f64,
+    /// Mean of the expected errors.
+    pub expected_mean_percent: f64,
+    /// Mean of the bounds.
+    pub bound_mean_percent: f64,
+    /// Share of the errors below their bound.
+    pub below_bound_percent: f64,
+}
+
+/// Compares a model with the configurations of a test set that lie in its domain.
+///
+/// # Errors
+/// Those of the database; [`StudyError::NothingToCompare`] if none lies in the domain.
+pub fn fresh(model: &Model, tests: &Database, progress: Progress) -> Result<Fresh, StudyError> {
+    let (times, compared) = capsule_offline::compare(model, tests, &TIMES, progress)?;
+    if compared.is_empty() || times.is_empty() {
+        return Err(StudyError::NothingToCompare);
+    }
+    let default = name(model.contents().default_method);
+    Ok(Fresh::new(&times, compared, default))
+}
+
+impl Fresh {
+    fn new(times: &[f64], compared: Vec<Comparison>, default: &'static str) -> Self {
+        let mut fresh = Fresh {
+            default,
+            samples: 0,
+            methods: BTreeMap::new(),
+            stated: BTreeMap::new(),
+            compared: BTreeMap::new(),
+        };
+        for method in [Method::Direct, Method::Paper] {
+            let of_method = compared.iter().filter(|c| c.method == method).cloned();
+            let of_method: Vec<Comparison> = of_method.collect();
+            let values: Vec<SampleErrors> = of_method.iter().map(SampleErrors::of).collect();
+            fresh.samples = values.len();
+            fresh.methods.insert(name(method), instant_errors(times, &values));
+            fresh.stated.insert(name(method), Stated::new(times, &of_method));
+            fresh.compared.insert(name(method), of_method);
+        }
+        fresh
+    }
+
+    /// One line a method, configuration and instant, with a heading; errors in per cent of a.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = String::from(
+            "method,capillary_number,confinement,t,lab_percent,shape_percent,expected_percent,bound_percent\n",
+        );
+        for (method, compared) in &self.compared {
+            for c in compared {
+                let parameters: Vec<String> = c.parameters.iter().map(f64::to_string).collect();
+                for (i, instant) in self.methods[method].iter().enumerate() {
+                    let values = [c.laboratory[i], c.shape[i], c.expected[i], c.bound[i]];
+                    let values = values.map(|value| format!("{:.6}", 100.0 * value));
+                    let _ = writeln!(
+                        text,
+                        "{method},{},{},{}",
+                        parameters.join(","),
+                        instant.t,
+                        values.join(",")
+                    );
+                }
+            }
+        }
+        text
+    }
+}
+
+impl Stated {
+    fn new(times: &[f64], compared: &[Comparison]) -> Self {
+        let mean = |value: &dyn Fn(&Comparison) -> f64| {
+            100.0 * compared.iter().map(value).sum::<f64>() / compared.len().max(1) as f64
+        };
+        let below = |c: &Comparison, i: usize| f64::from(u8::from(c.laboratory[i] <= c.bound[i]));
+        let instants: Vec<InstantStated> = times
+            .iter()
+            .enumerate()
+            .map(|(i, t)| InstantStated {
+                t: *t,
+                expected_mean_percent: mean(&|c| c.expected[i]),
+                bound_mean_percent: mean(&|c| c.bound[i]),
+                below_bound_percent: mean(&|c| below(c, i)),
+            })
+            .collect();
+        let all = instants.iter().map(|instant| instant.below_bound_percent).sum::<f64>();
+        Stated {
+            below_bound_percent: all / instants.len().max(1) as f64,
+            volume_max_percent: 100.0 * compared.iter().map(|c| c.volume).fold(0.0, f64::max),
+            beyond_walls: compared
+                .iter()
+                .map(|c| c.beyond_walls)
+                .fold(f64::NEG_INFINITY, f64::max),
+            instants,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stated_errors_are_counted() {
+        let compared = |laboratory: f64, bound: f64| Comparison {
+            parameters: vec![0.1, 0.9],
+            method: Method::Direct,
+            laboratory: vec![laboratory, 0.5 * laboratory],
+            shape: vec![0.0; 2],
+            expected: vec![0.5 * bound; 2],
+            bound: vec![bound; 2],
+            volume: laboratory,
+            beyond_walls: -laboratory,
+        };
+        let compared = vec![compared(0.01, 0.02), compared(0.03, 0.02), compared(0.05, 0.02)];
+        let fresh = Fresh::new(&[1.0, 2.0], compared, "direct");
+        let stated = &fresh.stated["direct"];
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+        close(stated.instants[0].below_bound_percent, 100.0 / 3.0);
+        close(stated.instants[1].below_bound_percent, 200.0 / 3.0);
+        close(stated.below_bound_percent, 50.0);
+        close(stated.instants[0].expected_mean_percent, 1.0);
+        close(stated.volume_max_percent, 5.0);
+        close(stated.beyond_walls, -0.01);
+        close(fresh.methods["direct"][0].lab_mean_percent, 3.0);
+        close(fresh.methods["direct"][0].lab_max_percent, 5.0);
+        assert_eq!((fresh.samples, fresh.csv().lines().count()), (0, 7));
+    }
+}
