@@ -54,8 +54,8 @@ pub fn run(options: &Options) -> Result<()> {
     {
         // The defaults are 1e-4 and 1e-3 of the units.
         settings.truncation = Truncation::Tolerance {
-            displacement: tolerance * displacement / 1e-4,
-            velocity: tolerance * velocity / 1e-3,
+            displacement: tolerance,
+            velocity: tolerance * velocity / displacement,
         };
     }
     if options.paper_ranks {

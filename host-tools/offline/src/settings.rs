@@ -135,8 +135,8 @@ impl Default for Settings {
                 value: 0.9,
             }),
             truncation: Truncation::Tolerance {
-                displacement: 1e-4,
-                velocity: 1e-3,
+                displacement: 2e-5,
+                velocity: 2e-4,
             },
             storage: Storage::Integer,
             spacing: 0.05,
