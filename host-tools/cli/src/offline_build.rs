@@ -52,7 +52,6 @@ pub fn run(options: &Options) -> Result<()> {
     if let (Some(tolerance), Truncation::Tolerance { displacement, velocity }) =
         (options.tolerance, settings.truncation)
     {
-        // The defaults are 1e-4 and 1e-3 of the units.
         settings.truncation = Truncation::Tolerance {
             displacement: tolerance,
             velocity: tolerance * velocity / displacement,
