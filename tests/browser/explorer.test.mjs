@@ -16,6 +16,7 @@ const QUANTITIES = [
   "velocity",
   "volume",
   "expected_error",
+  "error_bound",
 ];
 
 /** Without the space view, which an emulated graphics card draws slowly. */

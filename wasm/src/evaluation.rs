@@ -116,6 +116,12 @@ impl Evaluation {
         self.ask(|instant| Ok(instant.expected_error()))
     }
 
+    /// The bound that 95 % of the errors are below, like the expected error.
+    #[wasm_bindgen(js_name = errorBound)]
+    pub fn error_bound(&mut self) -> Result<f32, JsError> {
+        self.ask(|instant| Ok(instant.error_bound()))
+    }
+
     /// Axial position of the volume centroid in the laboratory frame, in l.
     pub fn centroid(&mut self) -> Result<f32, JsError> {
         self.ask(|instant| Ok(instant.centroid()))

@@ -277,6 +277,22 @@ pub unsafe extern "C" fn capsule_v1_expected_error_at(
     }
 }
 
+/// The bound that 95 of 100 errors are below at the instant `t`, like the expected error.
+///
+/// # Safety
+/// See [`functions`](self).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn capsule_v1_error_bound_at(
+    model: *const Model,
+    workspace: *mut Workspace,
+    t: f32,
+    error_bound: *mut f32,
+    error: *mut Error,
+) -> Status {
+    // SAFETY: the caller keeps what the module says.
+    unsafe { one(model, workspace, t, error_bound, error, |instant| Ok(instant.error_bound())) }
+}
+
 /// Position of the centroid at the instant `t`, laboratory frame, in l.
 ///
 /// # Safety

@@ -43,6 +43,7 @@ export const QUANTITIES = [
   "velocity",
   "volume",
   "expected_error",
+  "error_bound",
 ] as const;
 export type Quantity = (typeof QUANTITIES)[number];
 

@@ -186,6 +186,8 @@ function read(evaluation: Evaluation, quantity: Quantity): number {
       return evaluation.volume();
     case "expected_error":
       return evaluation.expectedError();
+    case "error_bound":
+      return evaluation.errorBound();
     default: {
       const readings = evaluation.readings();
       const value = readings[quantity];

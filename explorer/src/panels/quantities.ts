@@ -20,6 +20,7 @@ export const PRESENTATION: Record<Quantity, Presentation> = {
   velocity: { name: "Velocity", unit: "V", scale: 1, digits: 4 },
   volume: { name: "Volume", unit: "ℓ³", scale: 1, digits: 4 },
   expected_error: { name: "Expected error", unit: "% a", scale: 100, digits: 3 },
+  error_bound: { name: "95 % error bound", unit: "% a", scale: 100, digits: 3 },
 };
 
 /** The units of a capsule in the channel. */
