@@ -290,7 +290,11 @@ pub unsafe extern "C" fn capsule_v1_error_bound_at(
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
-    unsafe { one(model, workspace, t, error_bound, error, |instant| Ok(instant.error_bound())) }
+    unsafe {
+        one(model, workspace, t, error_bound, error, |instant| {
+            Ok(instant.error_bound())
+        })
+    }
 }
 
 /// Position of the centroid at the instant `t`, laboratory frame, in l.

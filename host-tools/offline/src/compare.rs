@@ -14,8 +14,8 @@ use crate::{OfflineError, Progress};
 /// The methods, in the order of the file's error tables.
 pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
 
-/// The error, as a fraction of a, of a prediction that ran away. Forward Euler may: a model says so, rather than not be
-/// built.
+/// The error, as a fraction of a, of a prediction that ran away, or that too few samples cannot give: a model says so,
+/// rather than not be built.
 const DIVERGED: f64 = 1e3;
 
 /// What a method errs at one configuration, at some instants.
@@ -134,10 +134,24 @@ pub(crate) fn predictions(
 ) -> Result<Vec<Prediction>, EvaluateError> {
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
-    evaluator.prepare(&Query {
+    let query = Query {
         extrapolate: true,
         ..Query::new(given(parameters, model)?, method)
-    })?;
+    };
+    match evaluator.prepare(&query) {
+        // No sample on the query's side of the border, or none that can be told apart.
+        Err(EvaluateError::Weights { .. }) => {
+            let none = || Prediction {
+                positions: None,
+                centroid: 0.0,
+                expected: DIVERGED,
+                bound: DIVERGED,
+                deviation: 1.0,
+            };
+            return Ok(truth.iter().map(|_| none()).collect());
+        }
+        other => other?,
+    };
     let scene = Scene {
         nodes: Nodes::All,
         frame: Frame::Laboratory,

@@ -2,7 +2,7 @@
 
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
-use capsule_core::{Domain, Model, Parameters};
+use capsule_core::{Domain, EvaluateError, Model, Parameters};
 use capsule_database::Database;
 use capsule_offline::{Progress, Settings, Subsets};
 use serde::Serialize;
@@ -11,6 +11,9 @@ use crate::{Fresh, StudyError, fresh};
 
 /// Candidates along each parameter.
 const CANDIDATES: usize = 32;
+
+/// The error that is expected where nothing is known, as a fraction of a.
+const UNKNOWN: f64 = 1.0;
 
 /// The most samples that take part in an interpolation: the default capacity of the core's workspace.
 const NEIGHBOURS: usize = 32;
@@ -89,10 +92,18 @@ impl<'m> Estimator<'m> {
                 let worst = early.map(|i| f64::from(left_out.get(j, i))).fold(0.0, f64::max);
                 worst / f64::from(deviations.get(j, 0))
             };
+            let mut ratios: Vec<f64> = (0..samples.rows()).map(ratio).collect();
+            // A sample that the others could not predict at all says nothing of how the solution varies.
+            let predicted = |j: &usize| (0..instants.rows()).all(|i| f64::from(left_out.get(*j, i)) < UNKNOWN);
+            let known: Vec<f64> = (0..ratios.len()).filter(predicted).map(|j| ratios[j]).collect();
+            let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
+            for j in (0..ratios.len()).filter(|j| !predicted(j)) {
+                ratios[j] = mean;
+            }
             Cluster {
                 range: [cluster.min, cluster.max],
                 samples: (0..samples.rows()).filter_map(|j| Parameters::new(&row(j))).collect(),
-                ratios: (0..samples.rows()).map(ratio).collect(),
+                ratios,
             }
         });
         Self {
@@ -145,7 +156,12 @@ impl<'m> Estimator<'m> {
             query,
             None,
             &mut scratch,
-        )?;
+        );
+        let weights = match weights {
+            // Nothing is known on the query's side of the border: nowhere is a sample worth more.
+            Err(EvaluateError::Weights { .. }) => return Ok((UNKNOWN, UNKNOWN)),
+            other => other?,
+        };
         let sum: f64 = weights.iter().map(|(j, weight)| weight.abs() * cluster.ratios[j]).sum();
         let ratio = sum / weights.lebesgue();
         Ok((weights.deviation() * ratio, ratio))
