@@ -123,10 +123,13 @@ export class ParameterMap {
     const bottom = this.#height - INSET.bottom;
     set(this.#svg, { viewBox: `0 0 ${this.#width} ${this.#height}` });
 
-    const border: string[] = [];
+    const curve: Point[] = [];
     for (let i = 0; i + 1 < steadyLimit.length; i += 2) {
-      border.push(`${toX(steadyLimit[i + 1] ?? 0).toFixed(2)} ${toY(steadyLimit[i] ?? 0).toFixed(2)}`);
+      curve.push({ confinement: steadyLimit[i] ?? 0, ca: steadyLimit[i + 1] ?? 0 });
     }
+    const border = between(curve, confinementRange).map(
+      ({ ca, confinement }) => `${toX(Math.min(ca, this.#caSpan[1])).toFixed(2)} ${toY(confinement).toFixed(2)}`,
+    );
     const [least, most] = caRange.map(toX) as unknown as Span;
     const [low, high] = confinementRange.map(toY) as unknown as Span;
     const parts: Element[] = [
@@ -138,7 +141,9 @@ export class ParameterMap {
       svg("path", { class: "limit", d: `M${border.join("L")}` }),
     ];
     for (let i = 0; i + 1 < samples.length; i += 2) {
-      parts.push(svg("circle", { class: "sample", cx: toX(samples[i] ?? 0), cy: toY(samples[i + 1] ?? 0), r: 1.4 }));
+      const [ca, confinement] = [samples[i] ?? 0, samples[i + 1] ?? 0];
+      const shown = holds(this.#caSpan, ca) && holds(this.#confinementSpan, confinement);
+      if (shown) parts.push(svg("circle", { class: "sample", cx: toX(ca), cy: toY(confinement), r: 1.4 }));
     }
     parts.push(svg("path", { d: `M${left} ${top}V${bottom}H${right}`, fill: "none" }));
     const steps = { ca: (this.#caSpan[1] > 0.3 ? 2 : 1) * 0.05, confinement: 0.1 };
@@ -230,4 +235,19 @@ function rounded(value: number, step: number): number {
 
 function short(value: number): string {
   return String(Number(value.toPrecision(4)));
+}
+
+const holds = ([low, high]: Span, value: number) => low <= value && value <= high;
+
+/** The part of a curve of rising confinement that lies between two confinements; beyond its ends it is constant. */
+function between(curve: readonly Point[], [low, high]: readonly [number, number]): Point[] {
+  const at = (confinement: number): Point => {
+    const after = curve.findIndex((point) => point.confinement >= confinement);
+    const [from, to] = [curve[after - 1], curve[after]];
+    if (!from || !to) return { confinement, ca: (to ?? curve[curve.length - 1])?.ca ?? 0 };
+    const share = (confinement - from.confinement) / (to.confinement - from.confinement);
+    return { confinement, ca: from.ca + share * (to.ca - from.ca) };
+  };
+  const inner = curve.filter(({ confinement }) => low < confinement && confinement < high);
+  return [at(low), ...inner, at(high)];
 }
