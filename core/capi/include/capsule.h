@@ -360,6 +360,13 @@ capsule_status capsule_v1_expected_error_at(const struct capsule_model *model,
                                             float *expected_error,
                                             struct capsule_error *error);
 
+// The bound that 95 of 100 errors are below at the instant `t`, like the expected error.
+capsule_status capsule_v1_error_bound_at(const struct capsule_model *model,
+                                         struct capsule_workspace *workspace,
+                                         float t,
+                                         float *error_bound,
+                                         struct capsule_error *error);
+
 // Position of the centroid at the instant `t`, laboratory frame, in l.
 capsule_status capsule_v1_centroid_at(const struct capsule_model *model,
                                       struct capsule_workspace *workspace,
@@ -436,6 +443,7 @@ capsule_status capsule_v1_membrane_at(const struct capsule_model *model,
 #define capsule_advance capsule_v1_advance
 #define capsule_observables_at capsule_v1_observables_at
 #define capsule_expected_error_at capsule_v1_expected_error_at
+#define capsule_error_bound_at capsule_v1_error_bound_at
 #define capsule_centroid_at capsule_v1_centroid_at
 #define capsule_volume_at capsule_v1_volume_at
 #define capsule_outline_at capsule_v1_outline_at
