@@ -4,12 +4,12 @@
 //! membrane relaxes. Forward Euler is stable there with very small steps only, so a step is divided into as many equal
 //! parts as the learned manifold needs where it is.
 
-use crate::Real;
 use crate::basis::{Basis, Learning};
 use crate::linalg::{dot, part, part_mut};
 use crate::manifold::Manifold;
 use crate::model::wire::Paper;
 use crate::motion::Motion;
+use crate::{Real, Scheme};
 
 /// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1.
 const STABLE: f64 = 1.0;
@@ -22,6 +22,13 @@ enum Stage<T> {
     Displacement(Learning<T>),
     Velocity(Learning<T>),
     Steps,
+}
+
+/// How time is stepped.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step<T> {
+    pub(crate) length: T,
+    pub(crate) scheme: Scheme,
 }
 
 /// The local reduced model of a query and its state after a whole number of steps.
@@ -58,7 +65,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         &mut self,
         motion: &Motion<'_, '_, T>,
         settings: &Paper,
-        step: T,
+        step: Step<T>,
         t: T,
         scratch: &mut [[T; K]; K],
         out: &mut [T],
@@ -72,7 +79,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         &mut self,
         motion: &Motion<'_, '_, T>,
         settings: &Paper,
-        step: T,
+        step: Step<T>,
         t: T,
         scratch: &mut [[T; K]; K],
         out: &mut [T],
@@ -87,13 +94,13 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         &mut self,
         motion: &Motion<'_, '_, T>,
         settings: &Paper,
-        step: T,
+        step: Step<T>,
         t: T,
         scratch: &mut [[T; K]; K],
     ) -> [T; M] {
         while !self.advance(motion, settings, step, t, scratch) {}
-        let start = T::from_index(self.steps) * step;
-        self.march(motion, settings, start, t - start)
+        let start = T::from_index(self.steps) * step.length;
+        self.march(motion, settings, step.scheme, start, t - start)
     }
 
     /// Does one piece of the work that leads to the last whole step before `t`; returns whether nothing is left to do.
@@ -102,7 +109,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         &mut self,
         motion: &Motion<'_, '_, T>,
         settings: &Paper,
-        step: T,
+        step: Step<T>,
         t: T,
         scratch: &mut [[T; K]; K],
     ) -> bool {
@@ -126,23 +133,24 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
                 };
             }
             Stage::Steps => {
-                let target = (t / step).to_index();
+                let target = (t / step.length).to_index();
                 if target < self.steps {
                     self.start(motion);
                 }
                 if target == self.steps {
                     return true;
                 }
-                let start = T::from_index(self.steps) * step;
-                self.alpha = self.march(motion, settings, start, step);
+                let start = T::from_index(self.steps) * step.length;
+                self.alpha = self.march(motion, settings, step.scheme, start, step.length);
                 self.steps += 1;
             }
         }
         false
     }
 
-    /// alpha after a time from the state at `start`, in as many parts as stability needs (eq. 48).
-    fn march(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, start: T, length: T) -> [T; M] {
+    /// alpha after a time from the state at `start`, in as many parts as stability needs (eq. 48), each by the
+    /// scheme.
+    fn march(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, scheme: Scheme, start: T, length: T) -> [T; M] {
         let (u, v, window) = (&self.displacement, &self.velocity, T::from_f64(settings.window));
         let stiffness = self
             .manifold
@@ -157,8 +165,14 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
         let mut alpha = self.alpha;
         for done in 0..parts {
             let t = start + T::from_index(done) * part;
-            let xi = self.equilibrium(motion, settings, t, part, &alpha);
-            alpha = core::array::from_fn(|k| alpha[k] + part * dot(&self.q[k], &xi));
+            let (from, mut rate) = (alpha, [T::ZERO; M]);
+            for (place, weight) in scheme.stages() {
+                let [ahead, weight] = [*place, *weight].map(|share| T::from_f64(share) * part);
+                let stage = core::array::from_fn(|k| from[k] + ahead * rate[k]);
+                let xi = self.equilibrium(motion, settings, t + ahead, part, &stage);
+                rate = core::array::from_fn(|k| dot(&self.q[k], &xi));
+                alpha = core::array::from_fn(|k| alpha[k] + weight * rate[k]);
+            }
         }
         alpha
     }

@@ -1,5 +1,6 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
+use crate::dynamics::Step;
 use crate::error::{EvaluateError, Name};
 use crate::expected_error::{bound_factor, expected_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
@@ -375,14 +376,20 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         T::from_index(self.model.mesh().nodes()).sqrt()
     }
 
-    /// The step of [`Method::Paper`].
-    fn step(&self) -> T {
+    /// How [`Method::Paper`] steps.
+    fn step(&self) -> Step<T> {
         let share = || T::from_f32(self.model.end_time()) / T::from_f32(1000.0);
-        self.query.step.unwrap_or_else(share)
+        Step {
+            length: self.query.step.unwrap_or_else(share),
+            scheme: self.query.scheme,
+        }
     }
 
     /// Brings the displacement's coefficients to this instant.
     fn displacement(&mut self) {
+        if self.workspace.displacement.t == Some(self.t) {
+            return;
+        }
         let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
         let cluster = self.cluster;
         let Workspace {
@@ -393,9 +400,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             scratch,
             ..
         } = &mut *self.workspace;
-        if computed.replace(t) == Some(t) {
-            return;
-        }
+        *computed = Some(t);
         let motion = Motion::new(self.model, cluster, psi);
         let out = part_mut(values, 0..motion.displacement.rank());
         match self.query.method {
@@ -406,6 +411,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
 
     /// Brings the velocity's coefficients to this instant.
     fn velocity(&mut self) {
+        if self.workspace.velocity.t == Some(self.t) {
+            return;
+        }
         let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
         let cluster = self.cluster;
         let Workspace {
@@ -416,9 +424,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             scratch,
             ..
         } = &mut *self.workspace;
-        if computed.replace(t) == Some(t) {
-            return;
-        }
+        *computed = Some(t);
         let motion = Motion::new(self.model, cluster, psi);
         let out = part_mut(values, 0..motion.velocity.rank());
         match self.query.method {

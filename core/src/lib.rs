@@ -49,7 +49,7 @@ pub use error::{EncodeError, EvaluateError, OpenError};
 pub use evaluator::{Evaluator, Instant};
 pub use model::{DIAGONAL, MIDPLANE, Model};
 pub use observables::Observables;
-pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query};
+pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query, Scheme};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};
 pub use section::{Segment, section};

@@ -59,16 +59,41 @@ pub struct Query<T> {
     pub extrapolate: bool,
     /// Step of [`Method::Paper`], > 0, in the model's unit of time; a thousandth of its end time if none is given.
     pub step: Option<T>,
+    /// How [`Method::Paper`] steps.
+    pub scheme: Scheme,
 }
 
 impl<T: Real> Query<T> {
-    /// A query within the domain.
+    /// A query within the domain, with forward Euler steps.
     pub fn new(parameters: impl Into<Parameters<T>>, method: Method) -> Self {
         Self {
             parameters: parameters.into(),
             method,
             extrapolate: false,
             step: None,
+            scheme: Scheme::Euler,
+        }
+    }
+}
+
+/// An explicit scheme of Runge and Kutta.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Forward Euler, first order, as the paper (eq. 48).
+    Euler,
+    /// Second order.
+    Heun,
+    /// The classical one of fourth order.
+    RungeKutta4,
+}
+
+impl Scheme {
+    /// Its stages: how far into the step each is taken, along the stage before it, and its weight.
+    pub(crate) const fn stages(self) -> &'static [(f64, f64)] {
+        match self {
+            Self::Euler => &[(0.0, 1.0)],
+            Self::Heun => &[(0.0, 0.5), (1.0, 0.5)],
+            Self::RungeKutta4 => &[(0.0, 1.0 / 6.0), (0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)],
         }
     }
 }

@@ -185,9 +185,9 @@ fn stepping_goes_on_from_where_it_is() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<Counted>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    evaluator
-        .prepare(&Query::new([Counted(0.05), Counted(0.95)], Method::Paper))
-        .unwrap();
+    let query = Query::new([Counted(0.05), Counted(0.95)], Method::Paper);
+    let step = Some(Counted(0.02));
+    evaluator.prepare(&Query { step, ..query }).unwrap();
     let mut centroid = |t| reads(|| evaluator.at(Counted(t)).unwrap().centroid());
     let learning = 2 * family.times.len() * INSTANT;
     let first = centroid(3.0);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace};
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Scheme, Workspace};
 use common::{Family, distance};
 
 const LABORATORY: Scene<'_> = Scene {
@@ -42,6 +42,34 @@ fn converges_to_the_exact_motion_with_order_one_in_the_step() {
             assert!((0.8..1.8).contains(&order), "{parameters:?}: {errors:?}");
         }
     }
+}
+
+#[test]
+fn schemes_of_higher_order_leave_less() {
+    let family = Family::new(2);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let (parameters, t) = ([0.073, 0.82], 1.0);
+    let exact = family.exact(parameters, t);
+    let error = |scheme| {
+        let mut workspace = Workspace::<f64>::new();
+        let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+        let query = Query::new(parameters, Method::Paper);
+        let query = Query {
+            step: Some(0.1),
+            scheme,
+            ..query
+        };
+        evaluator.prepare(&query).unwrap();
+        let mut found = vec![[0.0; 3]; family.nodes()];
+        evaluator.at(t).unwrap().positions(&LABORATORY, &mut found).unwrap();
+        distance(&found, &exact[0])
+    };
+    let [euler, heun, fourth] = [Scheme::Euler, Scheme::Heun, Scheme::RungeKutta4].map(error);
+    assert!(
+        heun < 0.2 * euler && fourth < 0.2 * euler,
+        "{euler:e} {heun:e} {fourth:e}"
+    );
 }
 
 #[test]

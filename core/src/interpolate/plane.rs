@@ -28,7 +28,7 @@ impl Plane<'_> {
     }
 
     /// Whether the border lies between two pairs of parameters.
-    pub(super) fn apart<T: Real>(&self, a: [T; 2], b: [T; 2]) -> bool {
+    pub fn apart<T: Real>(&self, a: [T; 2], b: [T; 2]) -> bool {
         let other = |side| self.border.below(b).is_some_and(|other| side != other);
         self.border.below(a).is_some_and(other)
     }
