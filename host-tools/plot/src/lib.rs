@@ -72,13 +72,7 @@ impl Figure {
     /// # Errors
     /// An unknown ending, a panel without finite values, or a file that cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), PlotError> {
-        register_font();
-        for panel in &self.panels {
-            panel.check()?;
-        }
-        let columns = self.panels.len().clamp(1, MAX_COLUMNS);
-        let rows = self.panels.len().div_ceil(columns).max(1);
-        let size = (PANEL_SIZE.0 * columns as u32, PANEL_SIZE.1 * rows as u32);
+        let (size, rows, columns) = self.layout()?;
         match path.extension().and_then(|ending| ending.to_str()) {
             Some("svg") => self.draw(SVGBackend::new(path, size).into_drawing_area(), rows, columns),
             Some("png") => self.draw(BitMapBackend::new(path, size).into_drawing_area(), rows, columns),
@@ -88,6 +82,36 @@ impl Figure {
             path: path.to_owned(),
             reason: error.to_string(),
         })
+    }
+
+    /// The figure as the text of an SVG.
+    ///
+    /// # Errors
+    /// A panel without finite values, or one that cannot be drawn.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        let (size, rows, columns) = self.layout()?;
+        let mut text = String::new();
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        self.draw(area, rows, columns).map_err(|error| PlotError::Draw {
+            path: PathBuf::from("a figure"),
+            reason: error.to_string(),
+        })?;
+        Ok(text)
+    }
+
+    /// Checks the panels; the size in pixels, the rows and columns.
+    fn layout(&self) -> Result<((u32, u32), usize, usize), PlotError> {
+        register_font();
+        for panel in &self.panels {
+            panel.check()?;
+        }
+        let columns = self.panels.len().clamp(1, MAX_COLUMNS);
+        let rows = self.panels.len().div_ceil(columns).max(1);
+        Ok((
+            (PANEL_SIZE.0 * columns as u32, PANEL_SIZE.1 * rows as u32),
+            rows,
+            columns,
+        ))
     }
 
     fn draw<B: DrawingBackend>(

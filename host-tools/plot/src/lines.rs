@@ -49,6 +49,7 @@ pub struct Curve {
     name: String,
     points: Vec<(f64, f64)>,
     joined: bool,
+    like: Option<String>,
 }
 
 impl Curve {
@@ -58,6 +59,7 @@ impl Curve {
             name: name.to_owned(),
             points,
             joined: true,
+            like: None,
         }
     }
 
@@ -67,7 +69,14 @@ impl Curve {
             name: name.to_owned(),
             points,
             joined: false,
+            like: None,
         }
+    }
+
+    /// The same curve in the colour of the first one with this name.
+    pub fn like(mut self, name: &str) -> Self {
+        self.like = Some(name.to_owned());
+        self
     }
 }
 
@@ -172,7 +181,9 @@ impl Lines {
             .bold_line_style(BLACK.mix(0.12))
             .draw()?;
         for (index, curve) in self.curves.iter().enumerate() {
-            let colour = colour(index);
+            let like = curve.like.as_ref();
+            let model = like.and_then(|name| self.curves.iter().position(|curve| curve.name == *name));
+            let colour = colour(model.unwrap_or(index));
             let drawn = if curve.joined {
                 chart.draw_series(LineSeries::new(self.visible(curve), colour.stroke_width(2)))?
             } else {
