@@ -21,9 +21,11 @@ mod solver_options;
 mod source;
 mod study_fresh;
 mod study_leave_one_out;
+mod study_report;
 mod study_sample;
 mod study_smoothness;
 mod study_speed;
+mod study_stability;
 mod sweep;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -117,6 +119,10 @@ enum Study {
     Smoothness(study_smoothness::Options),
     /// Time of a query, a trajectory, a surface, an outline
     Speed(study_speed::Options),
+    /// Errors against settings, conditioning, edges, degenerate samples, random queries, spoilt data
+    Stability(study_stability::Options),
+    /// One page with the paper's figures, run time against error, scene costs, stability and calibration
+    Report(study_report::Options),
 }
 
 fn main() -> ExitCode {
@@ -136,6 +142,8 @@ fn main() -> ExitCode {
         Command::Study(Study::Sample(options)) => study_sample::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Speed(options)) => study_speed::run(&options),
+        Command::Study(Study::Stability(options)) => study_stability::run(&options),
+        Command::Study(Study::Report(options)) => study_report::run(&options),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Arguments::command(), "capsule-rom", &mut std::io::stdout());
             Ok(())

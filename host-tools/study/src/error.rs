@@ -1,8 +1,11 @@
 //! Why a study came to nothing.
 
-use capsule_core::EvaluateError;
+use std::path::PathBuf;
+
+use capsule_core::{EncodeError, EvaluateError, OpenError};
 use capsule_database::DatabaseError;
 use capsule_offline::OfflineError;
+use capsule_plot::PlotError;
 
 /// An error of a study.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +23,32 @@ pub enum StudyError {
     /// The test set and the model have nothing in common.
     #[error("no configuration of the test set lies in the model's domain, with snapshots at the instants compared")]
     NothingToCompare,
+    /// The model file cannot be opened.
+    #[error("the model cannot be opened: {0}")]
+    Open(OpenError),
+    /// A model file could not be written.
+    #[error("the model cannot be written: {0}")]
+    Encode(EncodeError),
+    /// A file or folder of the study could not be written.
+    #[error("could not write {}: {source}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A figure could not be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// A singular value decomposition did not converge.
+    #[error("a singular value decomposition did not converge")]
+    NoConvergence,
+    /// Nothing to compare with.
+    #[error("{} holds no steady configuration to compare with", database.display())]
+    NoTruth {
+        /// The database.
+        database: PathBuf,
+    },
     /// Nothing was to be measured.
     #[error("{queries} queries and {repetitions} repetitions; at least 2 and 1 are needed")]
     NothingToMeasure {
@@ -33,5 +62,17 @@ pub enum StudyError {
 impl From<EvaluateError> for StudyError {
     fn from(error: EvaluateError) -> Self {
         StudyError::Evaluate(error)
+    }
+}
+
+impl From<OpenError> for StudyError {
+    fn from(error: OpenError) -> Self {
+        StudyError::Open(error)
+    }
+}
+
+impl From<EncodeError> for StudyError {
+    fn from(error: EncodeError) -> Self {
+        StudyError::Encode(error)
     }
 }

@@ -1,15 +1,19 @@
-//! How good a model is, and how fast: leave-one-out errors as in the paper's Fig. 13, and run times.
+//! How good a model is, and how fast: leave-one-out errors as in the paper's Fig. 13, run times, and
+//! where it stops to be stable.
 
 mod error;
 mod fresh;
 mod leave_one_out;
+mod report;
 pub mod sample;
 pub mod smoothness;
 pub mod speed;
+pub mod stability;
 
 pub use error::StudyError;
 pub use fresh::{Fresh, InstantStated, Stated, fresh};
 pub use leave_one_out::{InstantErrors, Report, SampleErrors, leave_one_out};
+pub use report::report;
 
 use capsule_core::Method;
 

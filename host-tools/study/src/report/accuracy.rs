@@ -1,0 +1,326 @@
+//! Configurations that the model does not contain: coefficients in time (Figs. 10 and 11), profiles (Fig. 14), and the
+//! stated errors against the true ones.
+
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
+use capsule_database::Trajectory;
+use capsule_offline::{Progress, one_minus_ric};
+use capsule_plot::Axis;
+use faer::Mat;
+
+use super::sheet::{Curves, Section, Series, Sheet};
+use crate::StudyError;
+use crate::stability::Subject;
+
+/// The query that the paper shows.
+const SHOWN: [f64; 2] = [0.10, 0.90];
+
+/// All nodes of an instant.
+pub(super) const ALL: Scene<'_> = Scene {
+    nodes: Nodes::All,
+    frame: Frame::Laboratory,
+};
+
+/// Fresh configurations that are shown.
+pub(super) struct Fresh {
+    /// The one closest to [`SHOWN`] at all its instants, and the model's answers there.
+    shown: Trajectory,
+    predicted: [Vec<Vec<[f64; 3]>>; 2],
+    profiles: Vec<Profile>,
+}
+
+/// Outlines of the full-order model.
+struct Profile {
+    parameters: [f64; 2],
+    /// At t = 0, 1, 2, 8: points (x, y), front to rear on the upper side.
+    outlines: Vec<Vec<(f64, f64)>>,
+}
+
+impl Fresh {
+    pub(super) fn new(subject: &Subject, model: &Model) -> Result<Self, StudyError> {
+        let database = subject.fresh;
+        let entries = database.entries()?;
+        let steady = entries
+            .iter()
+            .filter(|entry| entry.status.is_steady() && entry.snapshots > 0);
+        let parameters: Vec<[f64; 2]> = steady.map(|entry| [entry.parameters[0], entry.parameters[1]]).collect();
+        let distance = |p: &[f64; 2]| (p[0] - SHOWN[0]).abs() * 10.0 + (p[1] - SHOWN[1]).abs();
+        let closest = parameters
+            .iter()
+            .copied()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let closest = closest.ok_or(StudyError::NoTruth {
+            database: database.directory().to_owned(),
+        })?;
+        let until = database
+            .times()
+            .iter()
+            .copied()
+            .filter(|t| *t < 10.0 + 1e-9)
+            .collect::<Vec<_>>();
+        let shown = database.read(&closest)?.extended(database.mesh(), &until)?;
+        let field = |velocities: bool| -> Result<Vec<Vec<[f64; 3]>>, StudyError> {
+            let mut workspace = Box::new(Workspace::<f64>::new());
+            let mut evaluator = Evaluator::new(model, &mut workspace)?;
+            evaluator.prepare(&Query::new(closest, Method::Direct))?;
+            let at = |t: &f64| {
+                let mut nodes = vec![[0.0; 3]; database.mesh().nodes.len()];
+                let mut instant = evaluator.at(*t)?;
+                if velocities {
+                    instant.velocities(&ALL, &mut nodes)?;
+                } else {
+                    instant.positions(&ALL, &mut nodes)?;
+                }
+                Ok(nodes)
+            };
+            until.iter().map(at).collect()
+        };
+        let predicted = [field(false)?, field(true)?];
+        let six = parameters.len().div_ceil(6);
+        let outline = |place: &[f64; 2]| -> Result<Profile, StudyError> {
+            let truth = database.read(place)?.extended(database.mesh(), &[0.0, 1.0, 2.0, 8.0])?;
+            let on_it = model.node_set(capsule_core::MIDPLANE);
+            let nodes: Vec<usize> = on_it.map_or_else(Vec::new, |set| set.iter().collect());
+            let points = |positions: &Vec<[f64; 3]>| {
+                nodes
+                    .iter()
+                    .map(|node| (positions[*node][0], positions[*node][1]))
+                    .collect()
+            };
+            Ok(Profile {
+                parameters: *place,
+                outlines: truth.positions.iter().map(points).collect(),
+            })
+        };
+        Ok(Fresh {
+            shown,
+            predicted,
+            profiles: parameters.iter().step_by(six).map(outline).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+/// Coefficients of the query's own modes in time, of the model and of the truth (Fig. 10), and their decay (Fig. 11).
+pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> Result<Section, StudyError> {
+    let (truth, reference) = (&fresh.shown, &subject.fresh.mesh().nodes);
+    let [ca, confinement] = [truth.parameters[0], truth.parameters[1]];
+    let mut section = Section::new(
+        "One query in time (Figs. 10 and 11)",
+        &format!(
+            "Ca = {ca}, a/l = {confinement}: the configuration closest to the paper's (0.10, 0.90) that is not in the model. Local modes by the \
+             POD of the predicted snapshots; the truth is projected onto them."
+        ),
+    );
+    let displaced = |positions: &Vec<[f64; 3]>| -> Vec<[f64; 3]> {
+        let nodes = positions.iter().zip(reference);
+        nodes
+            .map(|(p, x)| std::array::from_fn(|d| p[d] - confinement * x[d]))
+            .collect()
+    };
+    let fields = [
+        (
+            "displacement",
+            truth.positions.iter().map(displaced).collect(),
+            fresh.predicted[0].iter().map(displaced).collect(),
+        ),
+        ("velocity", truth.velocities.clone(), fresh.predicted[1].clone()),
+    ];
+    let mut decay: Vec<Series> = Vec::new();
+    for (part, (field, exact, found)) in ["a", "b"]
+        .into_iter()
+        .zip::<[(&str, Vec<Vec<[f64; 3]>>, Vec<Vec<[f64; 3]>>); 2]>(fields)
+    {
+        let matrix = |snapshots: &[Vec<[f64; 3]>]| {
+            Mat::from_fn(3 * reference.len(), snapshots.len(), |row, i| {
+                snapshots[i][row / 3][row % 3]
+            })
+        };
+        let (exact, found) = (matrix(&exact), matrix(&found));
+        let svd = found.thin_svd().map_err(|_| StudyError::NoConvergence)?;
+        let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+        let points = one_minus_ric(&values)
+            .into_iter()
+            .take(20)
+            .enumerate()
+            .map(|(k, rest)| ((k + 1) as f64, rest));
+        decay.push((field.to_owned(), true, points.collect()));
+        let mut series = Vec::new();
+        for (k, which) in ["first", "second", "third"].into_iter().enumerate() {
+            for (by, snapshots) in [("ROM", &found), ("FOM", &exact)] {
+                let coefficient = |i: usize| {
+                    (0..snapshots.nrows())
+                        .map(|row| svd.U()[(row, k)] * snapshots[(row, i)])
+                        .sum::<f64>()
+                };
+                let points = truth.times.iter().enumerate().map(|(i, t)| (*t, coefficient(i)));
+                let every = if by == "FOM" { 6 } else { 1 };
+                series.push((format!("{which}, {by}"), by == "ROM", points.step_by(every).collect()));
+            }
+        }
+        let curves = Curves {
+            title: format!("Coefficients of the {field}"),
+            axes: [Axis::linear("t V/l"), Axis::linear("coefficient")],
+            same_scale: false,
+            series,
+        };
+        section.curves(
+            sheet,
+            &format!("fig10{part}.csv"),
+            &format!("Fig. 10 ({part}): first three coefficients of the {field}"),
+            curves,
+        )?;
+    }
+    decay.push(("1e-7".to_owned(), true, vec![(1.0, 1e-7), (20.0, 1e-7)]));
+    let curves = Curves {
+        title: "1 - RIC of the query's snapshots".to_owned(),
+        axes: [Axis::linear("rank"), Axis::logarithmic("1 - RIC")],
+        same_scale: false,
+        series: decay,
+    };
+    section.curves(
+        sheet,
+        "fig11.csv",
+        "Fig. 11: decay of the query's own modes; the paper reads ranks 3 and 8 at 1e-7",
+        curves,
+    )?;
+    Ok(section)
+}
+
+/// Sections of the capsule in the channel (Fig. 14).
+pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Result<Section, StudyError> {
+    let mut section = Section::new(
+        "Profiles (Fig. 14)",
+        "Sections z = 0 at t = 0, 1, 2 and 8: full-order model (lines) and prediction by direct evaluation (dots); the horizontal \
+         lines are the walls. None of these configurations is in the model.",
+    );
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(model, &mut workspace)?;
+    for (index, profile) in fresh.profiles.iter().enumerate() {
+        let [ca, confinement] = profile.parameters;
+        evaluator.prepare(&Query {
+            extrapolate: true,
+            ..Query::new([ca, confinement], Method::Direct)
+        })?;
+        let closed = |points: &[(f64, f64)]| {
+            points
+                .iter()
+                .copied()
+                .chain(points.iter().rev().map(|(x, y)| (*x, -y)))
+                .collect::<Vec<_>>()
+        };
+        let (mut exact, mut found) = (Vec::new(), Vec::new());
+        for (t, outline) in [0.0, 1.0, 2.0, 8.0].into_iter().zip(&profile.outlines) {
+            let mut points = vec![[0.0; 2]; outline.len()];
+            evaluator
+                .at(t)?
+                .outline(capsule_core::MIDPLANE, Frame::Laboratory, &mut points)?;
+            let points: Vec<(f64, f64)> = points.iter().map(|[x, y]| (*x, *y)).collect();
+            exact.push((if t == 0.0 { "FOM" } else { "" }.to_owned(), true, closed(outline)));
+            found.extend(closed(&points).into_iter().step_by(3));
+        }
+        let end = exact
+            .iter()
+            .flat_map(|(_, _, points): &Series| points)
+            .map(|(x, _)| *x)
+            .fold(0.0, f64::max);
+        let walls = [-1.0, 1.0].map(|y| (String::new(), true, vec![(-1.5, y), (end + 0.5, y)]));
+        let mut series: Vec<Series> = exact;
+        series.push(("ROM".to_owned(), false, found));
+        series.extend(walls);
+        let title = format!("Ca = {ca}, a/l = {confinement}");
+        let curves = Curves {
+            title: title.clone(),
+            axes: [Axis::linear("x / l"), Axis::linear("y / l")],
+            same_scale: true,
+            series,
+        };
+        section.curves(
+            sheet,
+            &format!("fig14_{}.csv", index + 1),
+            &format!("Fig. 14 ({}): {title}", index + 1),
+            curves,
+        )?;
+    }
+    Ok(section)
+}
+
+/// Errors at the fresh configurations, and what the model stated of them.
+pub(super) fn calibration(
+    sheet: &mut Sheet,
+    subject: &Subject,
+    model: &Model,
+    progress: Progress,
+) -> Result<Section, StudyError> {
+    let fresh = crate::fresh(model, subject.fresh, progress)?;
+    let mut section = Section::new(
+        "True and stated errors",
+        &format!(
+            "{} configurations that no sample shares. Modified Hausdorff distance in per cent of a. Below the diagonal the model expects \
+             more than it errs; it also states a bound that 95 % of the errors shall keep.",
+            fresh.samples
+        ),
+    );
+    let csv = fresh.csv();
+    let mut lines = csv
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let heading = lines.next().unwrap_or_default();
+    sheet.csv(
+        "fresh.csv",
+        &heading.iter().map(String::as_str).collect::<Vec<_>>(),
+        lines,
+    )?;
+    let mut rows = Vec::new();
+    for (method, instants) in &fresh.methods {
+        let mut series: Vec<Series> = Vec::new();
+        let stated = &fresh.stated[method];
+        for ((i, errors), stated) in instants.iter().enumerate().zip(&stated.instants) {
+            let numbers = [
+                errors.lab_mean_percent,
+                errors.lab_max_percent,
+                errors.shape_mean_percent,
+                errors.shape_max_percent,
+                stated.expected_mean_percent,
+                stated.bound_mean_percent,
+            ];
+            let numbers: Vec<String> = numbers.iter().map(|value| format!("{value:.4}")).collect();
+            let below = format!("{:.0} %", stated.below_bound_percent);
+            rows.push([vec![(*method).to_owned(), errors.t.to_string()], numbers, vec![below]].concat());
+            let points = fresh.compared[method]
+                .iter()
+                .map(|c| (100.0 * c.expected[i], 100.0 * c.laboratory[i]));
+            series.push((format!("t = {}", errors.t), false, points.collect()));
+        }
+        let places = series
+            .iter()
+            .flat_map(|(_, _, points)| points)
+            .flat_map(|(x, y)| [*x, *y]);
+        let [low, high] = places
+            .filter(|v| *v > 0.0)
+            .fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], v| [a.min(v), b.max(v)]);
+        series.push(("equal".to_owned(), true, vec![(low, low), (high, high)]));
+        let curves = Curves {
+            title: format!("Expected and true error, {method}"),
+            axes: [
+                Axis::logarithmic("expected / % of a"),
+                Axis::logarithmic("true / % of a"),
+            ],
+            same_scale: false,
+            series,
+        };
+        let caption = format!("Calibration of the expected error, {method}");
+        section.curves(sheet, &format!("calibration_{method}.csv"), &caption, curves)?;
+    }
+    let heading = [
+        "method",
+        "t",
+        "lab mean %",
+        "lab max %",
+        "shape mean %",
+        "shape max %",
+        "mean expected %",
+        "mean bound %",
+        "below the bound",
+    ];
+    section.table(sheet, "fresh_summary.csv", &heading, rows)?;
+    Ok(section)
+}

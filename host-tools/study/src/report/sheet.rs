@@ -1,0 +1,148 @@
+//! What the page is made of: sections of figures and tables, and the files with their numbers.
+
+use std::path::{Path, PathBuf};
+
+use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
+
+use crate::StudyError;
+
+/// A part of the page.
+pub(super) struct Section {
+    pub(super) title: String,
+    pub(super) text: String,
+    pub(super) figures: Vec<Drawing>,
+    pub(super) tables: Vec<Table>,
+}
+
+/// A figure of the page.
+pub(super) struct Drawing {
+    pub(super) caption: String,
+    pub(super) svg: String,
+    pub(super) data: String,
+}
+
+/// A table of the page.
+pub(super) struct Table {
+    pub(super) heading: Vec<String>,
+    pub(super) rows: Vec<Vec<String>>,
+    pub(super) data: String,
+}
+
+impl Section {
+    pub(super) fn new(title: &str, text: &str) -> Self {
+        Section {
+            title: title.to_owned(),
+            text: text.to_owned(),
+            figures: Vec::new(),
+            tables: Vec::new(),
+        }
+    }
+
+    /// Adds a panel whose numbers are in a file that is there already.
+    pub(super) fn panel(&mut self, panel: Panel, caption: &str, data: &str) -> Result<(), StudyError> {
+        self.figures.push(Drawing {
+            caption: caption.to_owned(),
+            svg: Figure::new(vec![panel]).svg()?,
+            data: data.to_owned(),
+        });
+        Ok(())
+    }
+
+    /// Adds curves, and writes their points.
+    pub(super) fn curves(
+        &mut self,
+        sheet: &mut Sheet,
+        file: &str,
+        caption: &str,
+        curves: Curves,
+    ) -> Result<(), StudyError> {
+        let rows = curves.series.iter().flat_map(|(name, _, points)| {
+            points
+                .iter()
+                .map(|(x, y)| vec![name.clone(), x.to_string(), y.to_string()])
+        });
+        sheet.csv(file, &["series", "x", "y"], rows)?;
+        self.panel(curves.panel(), caption, file)
+    }
+
+    /// Adds a table, and writes it.
+    pub(super) fn table(
+        &mut self,
+        sheet: &mut Sheet,
+        file: &str,
+        heading: &[&str],
+        rows: Vec<Vec<String>>,
+    ) -> Result<(), StudyError> {
+        sheet.csv(file, heading, rows.iter().cloned())?;
+        self.tables.push(Table {
+            heading: heading.iter().map(ToString::to_string).collect(),
+            rows,
+            data: file.to_owned(),
+        });
+        Ok(())
+    }
+}
+
+/// A series: its name, whether its points are joined, its points.
+pub(super) type Series = (String, bool, Vec<(f64, f64)>);
+
+/// Curves over two axes.
+pub(super) struct Curves {
+    pub(super) title: String,
+    pub(super) axes: [Axis; 2],
+    pub(super) same_scale: bool,
+    pub(super) series: Vec<Series>,
+}
+
+impl Curves {
+    fn panel(self) -> Panel {
+        let [x, y] = self.axes;
+        let mut lines = Lines::new(&self.title, x, y);
+        if self.same_scale {
+            lines = lines.same_scale();
+        }
+        Panel::Lines(self.series.into_iter().fold(lines, |lines, (name, joined, points)| {
+            lines.with(if joined {
+                Curve::line(&name, points)
+            } else {
+                Curve::points(&name, points)
+            })
+        }))
+    }
+}
+
+/// The folder of the page.
+pub(super) struct Sheet {
+    folder: PathBuf,
+}
+
+impl Sheet {
+    pub(super) fn new(folder: &Path) -> Self {
+        Sheet {
+            folder: folder.to_owned(),
+        }
+    }
+
+    /// Writes rows under a heading.
+    pub(super) fn csv(
+        &mut self,
+        file: &str,
+        heading: &[&str],
+        rows: impl Iterator<Item = Vec<String>>,
+    ) -> Result<(), StudyError> {
+        let path = self.folder.join(file);
+        let failed = |error: csv::Error| StudyError::Write {
+            path: path.clone(),
+            source: error.into(),
+        };
+        let mut writer = csv::Writer::from_path(&path).map_err(failed)?;
+        writer.write_record(heading).map_err(failed)?;
+        for row in rows {
+            writer.write_record(row).map_err(failed)?;
+        }
+        writer.flush().map_err(|source| StudyError::Write {
+            path: path.clone(),
+            source,
+        })
+    }
+}

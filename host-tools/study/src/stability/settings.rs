@@ -1,0 +1,138 @@
+//! Settings of both methods, on the model as it is: a model file is written again with other settings in it.
+
+use capsule_core::model::encode;
+use capsule_core::model::wire::Contents;
+use capsule_core::{Method, Model, Query, Scheme};
+
+use super::Row;
+use super::truth::{Truth, errors};
+use crate::StudyError;
+
+/// The model file with other settings.
+pub(crate) fn changed(model: &Model, change: impl FnOnce(&mut Contents)) -> Result<Vec<u8>, StudyError> {
+    /// Headroom over what the file is likely to take.
+    const LONGEST: usize = 64 << 20;
+    let mut contents = model.contents().clone();
+    change(&mut contents);
+    let mut bytes = vec![0; LONGEST];
+    let length = encode(&contents, &mut bytes)?;
+    bytes.truncate(length);
+    Ok(bytes)
+}
+
+pub(crate) const SCHEMES: [(Scheme, &str); 3] = [
+    (Scheme::Euler, "Euler"),
+    (Scheme::Heun, "Heun"),
+    (Scheme::RungeKutta4, "RK4"),
+];
+
+/// Step and scheme, ranks, window, neighbours, radius, coordinates, precision.
+pub(crate) fn rows(model: &Model, truths: &[Truth], quick: bool) -> Result<Vec<Row>, StudyError> {
+    let mut rows = Vec::new();
+    let steps: &[f64] = if quick {
+        &[0.2, 0.02]
+    } else {
+        &[1.0, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005]
+    };
+    for (scheme, by) in SCHEMES {
+        for step in steps {
+            let query = |place: [f64; 2]| Query {
+                step: Some(*step),
+                scheme,
+                ..Query::new(place, Method::Paper)
+            };
+            rows.push(Row::new(
+                "step / (l/V)",
+                *step,
+                by,
+                &errors::<f64>(model, truths, query)?,
+            ));
+        }
+    }
+    for (bits, by) in [(32.0, "direct"), (32.0, "paper"), (64.0, "direct"), (64.0, "paper")] {
+        let method = if by == "direct" { Method::Direct } else { Method::Paper };
+        let errors = if bits == 32.0 {
+            errors::<f32>(model, truths, |place| Query::new(place, method))?
+        } else {
+            errors::<f64>(model, truths, |place| Query::new(place, method))?
+        };
+        rows.push(Row::new("bits of a number", bits, by, &errors));
+    }
+    type Change = fn(&mut Contents, f64);
+    let all: [(&str, Method, &[f64], Change); 8] = [
+        (
+            "m_u",
+            Method::Paper,
+            &[2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0],
+            |contents, value| {
+                contents.paper.displacement_rank = value as u16;
+            },
+        ),
+        (
+            "m_v",
+            Method::Paper,
+            &[2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0],
+            |contents, value| {
+                contents.paper.velocity_rank = value as u16;
+            },
+        ),
+        (
+            "R of the manifold / interval",
+            Method::Paper,
+            &[1.1, 1.5, 2.0, 3.0, 4.0],
+            |contents, value| {
+                contents.paper.window = value;
+            },
+        ),
+        (
+            "M",
+            Method::Paper,
+            &[6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 26.0, 29.0],
+            |contents, value| {
+                contents.paper.neighbours = value as u16;
+            },
+        ),
+        (
+            "R of the ellipse / distance of sample M",
+            Method::Paper,
+            &[1.01, 1.1, 1.2, 1.5, 2.0],
+            |contents, value| {
+                contents.paper.radius = value;
+            },
+        ),
+        (
+            "r",
+            Method::Paper,
+            &[0.5, 1.0, 1.9, 3.0, 5.0, 10.0],
+            |contents, value| {
+                contents.paper.scales[0] = value;
+            },
+        ),
+        (
+            "neighbours of the kernel",
+            Method::Direct,
+            &[6.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0],
+            |contents, value| {
+                contents.kernel.neighbours = value as u16;
+            },
+        ),
+        (
+            "s of the kernel's plane",
+            Method::Direct,
+            &[0.5, 1.0, 1.5, 2.0, 3.0, 5.0],
+            |contents, value| {
+                contents.kernel.scales[0] = value;
+            },
+        ),
+    ];
+    for (setting, method, values, change) in all {
+        let few = [values[0], values[values.len() - 1]];
+        for value in if quick { &few } else { values } {
+            let bytes = changed(model, |contents| change(contents, *value))?;
+            let model = Model::open(&bytes)?;
+            let errors = errors::<f64>(&model, truths, |place| Query::new(place, method))?;
+            rows.push(Row::new(setting, *value, crate::name(method), &errors));
+        }
+    }
+    Ok(rows)
+}
