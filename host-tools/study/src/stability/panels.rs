@@ -13,8 +13,17 @@ const ZERO: f64 = 1e-10;
 #[must_use]
 pub fn panels(stability: &Stability) -> Vec<(String, Panel)> {
     let mut panels = Vec::new();
-    for rows in stability.rows.chunk_by(|a, b| a.setting == b.setting) {
-        panels.push((file_name(&rows[0].setting), setting(rows)));
+    let mut shown: Vec<&str> = Vec::new();
+    for row in &stability.rows {
+        if !shown.contains(&row.setting.as_str()) {
+            shown.push(&row.setting);
+            let rows: Vec<&Row> = stability
+                .rows
+                .iter()
+                .filter(|other| other.setting == row.setting)
+                .collect();
+            panels.push((file_name(&row.setting), setting(&rows)));
+        }
     }
     type Quantity = fn(&Place) -> f64;
     let quantities: [(&str, &str, Quantity); 4] = [
@@ -66,7 +75,7 @@ fn cell(places: &[Place]) -> (f64, f64) {
 }
 
 /// Mean errors at the later instant, and the greatest ones as dots.
-fn setting(rows: &[Row]) -> Panel {
+fn setting(rows: &[&Row]) -> Panel {
     let name = &rows[0].setting;
     let factors = BY_FACTORS.iter().any(|start| name.starts_with(start));
     let x = if factors {
