@@ -10,7 +10,7 @@ use crate::{StudyError, name};
 const APART: f64 = 1e-4;
 /// The greatest distance of their shapes and places, as a share of a: the continuity bound, by method. Each answer
 /// takes its nearest samples; where one is exchanged for another, the answer jumps by what the interpolation errs.
-const BOUND: [(Method, f64); 2] = [(Method::Direct, 0.01), (Method::Paper, 0.05)];
+const BOUND: [(Method, f64); 2] = [(Method::Direct, 0.03), (Method::Paper, 0.06)];
 
 /// A reproducible sequence of numbers in [0, 1) (Steele, Lea and Flood, OOPSLA 2014: SplitMix64).
 pub(super) struct Random(pub(super) u64);
