@@ -42,13 +42,27 @@ impl<'a> Coordinates<'a> {
         }
     }
 
-    /// Whether a border lies between two sets of parameters.
-    pub(super) fn apart<T: Real, const P: usize>(&self, a: [T; P], b: [T; P]) -> bool {
-        match (self, a.first_chunk(), b.first_chunk()) {
-            (Self::Channel(plane), Some(a), Some(b)) => plane.apart(*a, *b),
-            _ => false,
+    /// On which side of a border parameters lie, if there is one.
+    pub(super) fn side<T: Real, const P: usize>(&self, parameters: [T; P]) -> Option<bool> {
+        match (self, parameters.first_chunk()) {
+            (Self::Channel(plane), Some(pair)) => plane.side(*pair),
+            _ => None,
         }
     }
+
+    /// The square of a distance that samples of these differences of the parameters have at least, found without their
+    /// places: a/l is a coordinate of the channel as it is.
+    pub(super) fn least_square<T: Real, const P: usize>(&self, differences: [T; P]) -> T {
+        match (self, differences.first_chunk()) {
+            (Self::Channel(_), Some([_, confinement])) => *confinement * *confinement,
+            _ => T::ZERO,
+        }
+    }
+}
+
+/// Whether a border lies between two sides.
+pub(super) fn apart(a: Option<bool>, b: Option<bool>) -> bool {
+    a.zip(b).is_some_and(|(a, b)| a != b)
 }
 
 /// Each number times its factor.

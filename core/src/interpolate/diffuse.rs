@@ -6,11 +6,11 @@
 //! terms, which leaves sum L = 1 and the first order untouched where the samples do not determine them; and samples
 //! beyond a jump of the solution take no part, because a polynomial through a jump swings on both sides of it.
 
-use super::coordinates::scaled;
+use super::coordinates::{apart, scaled};
 use super::neighbours::{Neighbour, nearest};
-use super::{Coordinates, Weights, at_query};
+use super::{Coordinates, Weights, at_query, minus};
 use crate::error::EvaluateError;
-use crate::linalg::{Qr, part, part_mut};
+use crate::linalg::{Qr, dot, part, part_mut};
 use crate::model::wire::Paper;
 use crate::{Parameters, Real};
 
@@ -65,23 +65,24 @@ impl<T: Real, const N: usize> Weights<T, N> {
         left_out: Option<usize>,
     ) -> Result<Self, EvaluateError> {
         let ridge_rows = ridge_rows(P);
-        let offsets = samples.map(|sample| {
+        let side = coordinates.side(query);
+        let offset = |sample: Parameters<T>, limit| {
             let sample: [T; P] = sample.array();
-            if coordinates.apart(sample, query) {
-                return [T::from_f32(f32::INFINITY); P];
-            }
-            scaled(&settings.scales, core::array::from_fn(|d| sample[d] - query[d]))
-        });
+            let offset = scaled(&settings.scales, minus(sample, query));
+            let near = dot(&offset, &offset) < limit && !apart(coordinates.side(sample), side);
+            near.then_some(offset)
+        };
         let mut neighbours = [Neighbour::NONE; N];
         let found = nearest(
-            offsets,
+            samples,
             left_out,
+            offset,
             part_mut(&mut neighbours, 0..N.saturating_sub(ridge_rows)),
         );
         let holds = usize::from(settings.neighbours).clamp(1, found.max(1));
-        let last = part(&neighbours, 0..holds).last().map_or(T::ZERO, |last| last.distance);
+        let last = part(&neighbours, 0..holds).last().map_or(T::ZERO, Neighbour::distance);
         let radius = T::from_f64(settings.radius) * last;
-        let within = |neighbour: &&Neighbour<T, P>| neighbour.distance < radius || neighbour.distance == T::ZERO;
+        let within = |neighbour: &&Neighbour<T, P>| neighbour.distance() < radius || neighbour.distance() == T::ZERO;
         let n = neighbours.iter().take(found).take_while(within).count();
         let mut weights = Self::new(part(&neighbours, 0..n), radius, SURE_DEGREE);
 
@@ -89,7 +90,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let mut roots = [T::ZERO; N];
         for (root, neighbour) in roots.iter_mut().zip(&neighbours).take(n) {
             let d = if radius > T::ZERO {
-                neighbour.distance / radius
+                neighbour.distance() / radius
             } else {
                 T::ZERO
             };

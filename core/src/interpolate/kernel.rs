@@ -4,8 +4,9 @@
 //! exact reproduction of quadratics. They are found in the null space of the constraints, where the kernel's matrix is positive definite:
 //! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
 
+use super::coordinates::apart;
 use super::neighbours::{Neighbour, nearest};
-use super::{Coordinates, Weights, at_query, covariance};
+use super::{Coordinates, Weights, at_query, covariance, minus};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot, part, part_mut};
 use crate::model::wire::Kernel;
@@ -54,20 +55,21 @@ impl<T: Real, const N: usize> Weights<T, N> {
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<Self, EvaluateError> {
-        let origin = coordinates.place(query);
-        let offsets = samples.map(|sample| {
-            let sample = sample.array();
-            if coordinates.apart(sample, query) {
-                return [T::from_f32(f32::INFINITY); P];
+        let (origin, side) = (coordinates.place(query), coordinates.side(query));
+        let offset = |sample: Parameters<T>, limit| {
+            let sample: [T; P] = sample.array();
+            if coordinates.least_square(minus(sample, query)) >= limit {
+                return None;
             }
-            let place = coordinates.place(sample);
-            core::array::from_fn(|d| place[d] - origin[d])
-        });
+            let offset = minus(coordinates.place(sample), origin);
+            let near = dot(&offset, &offset) < limit && !apart(coordinates.side(sample), side);
+            near.then_some(offset)
+        };
         let mut neighbours = [Neighbour::NONE; N];
         let wanted = usize::from(settings.neighbours).min(N);
-        let n = nearest(offsets, left_out, part_mut(&mut neighbours, 0..wanted));
+        let n = nearest(samples, left_out, offset, part_mut(&mut neighbours, 0..wanted));
         let neighbours = part(&neighbours, 0..n);
-        let radius = neighbours.last().map_or(T::ZERO, |last| last.distance);
+        let radius = neighbours.last().map_or(T::ZERO, Neighbour::distance);
         let mut weights = Self::new(neighbours, radius, DEGREE);
 
         let found = scratch.len();
@@ -78,9 +80,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let offsets: [[T; P]; N] = weights.offsets_in();
         let offsets = part(&offsets, 0..n);
         let mut right = [T::ZERO; N];
+        // The matrix is symmetric: its lower half is enough.
         for (i, ((row, right), a)) in matrix.iter_mut().zip(&mut right).zip(offsets).enumerate() {
-            *row = [T::ZERO; N];
-            for (j, (value, b)) in row.iter_mut().zip(offsets).enumerate() {
+            for (j, (value, b)) in row.iter_mut().zip(offsets).enumerate().take(i + 1) {
                 let scatter = if i == j { T::from_f32(SCATTER) } else { T::ZERO };
                 *value = covariance(DEGREE, *a, *b) + scatter;
             }
@@ -94,7 +96,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let c = qr.solve_transposed(&at_query());
         let mut y = [T::ZERO; N];
         for ((y, right), row) in y.iter_mut().zip(right).zip(&*matrix).skip(qr.rank()) {
-            *y = right - dot(row, &c);
+            *y = right - dot(part(row, 0..qr.rank()), part(&c, 0..qr.rank()));
         }
         cholesky::solve(matrix, qr.rank(), &mut y);
         weights.values = core::array::from_fn(|i| c[i] + y[i]);

@@ -158,8 +158,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
 /// Polyharmonic kernel that is positive definite, in any dimension, on weights that annihilate polynomials of a degree:
 /// -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
 fn covariance<T: Real, const P: usize>(degree: usize, a: [T; P], b: [T; P]) -> T {
-    let r = norm::<T, P>(core::array::from_fn(|d| a[d] - b[d]));
-    (0..degree).fold(-r, |value, _| -(value * r * r))
+    let offset = minus(a, b);
+    let square = dot(&offset, &offset);
+    (0..degree).fold(-square.sqrt(), |value, _| -(value * square))
 }
 
 /// First unit vector: the monomials at the query.
@@ -167,9 +168,9 @@ fn at_query<T: Real, const C: usize>() -> [T; C] {
     core::array::from_fn(|k| if k == 0 { T::ONE } else { T::ZERO })
 }
 
-/// Length of a vector of parameters.
-fn norm<T: Real, const P: usize>(vector: [T; P]) -> T {
-    dot(&vector, &vector).sqrt()
+/// a - b.
+fn minus<T: Real, const P: usize>(a: [T; P], b: [T; P]) -> [T; P] {
+    core::array::from_fn(|d| a[d] - b[d])
 }
 
 #[cfg(test)]
@@ -433,7 +434,7 @@ mod tests {
         let weights = weights::<f64>(false, 10, query, None);
         const MONOMIALS: usize = 6;
         let columns = weights.monomials::<2, MONOMIALS>();
-        let w: [f64; N] = core::array::from_fn(|j| weight(norm(weights.offsets[j])));
+        let w: [f64; N] = core::array::from_fn(|j| weight(dot(&weights.offsets[j], &weights.offsets[j]).sqrt()));
         let mut system = [[0.0; MONOMIALS + 1]; MONOMIALS];
         for a in 0..MONOMIALS {
             for b in 0..MONOMIALS {

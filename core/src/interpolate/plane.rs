@@ -5,6 +5,7 @@
 //! beside its own. How much is a compromise: away from the limit the solution follows Ca alone. Where the solution jumps, because the rear of the membrane buckles, the plane is cut: no
 //! interpolation crosses a jump well.
 
+use super::coordinates::apart;
 use crate::Real;
 use crate::model::Curve;
 
@@ -29,7 +30,11 @@ impl Plane<'_> {
 
     /// Whether the border lies between two pairs of parameters.
     pub fn apart<T: Real>(&self, a: [T; 2], b: [T; 2]) -> bool {
-        let other = |side| self.border.below(b).is_some_and(|other| side != other);
-        self.border.below(a).is_some_and(other)
+        apart(self.side(a), self.side(b))
+    }
+
+    /// On which side of the border parameters lie, if it reaches there.
+    pub(super) fn side<T: Real>(&self, parameters: [T; 2]) -> Option<bool> {
+        self.border.below(parameters)
     }
 }

@@ -82,18 +82,24 @@ impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
         }
     }
 
-    /// S <- Q^T S Q of a symmetric matrix.
+    /// S <- Q^T S Q of a symmetric matrix of as many rows as the columns have, of which only the lower half is read and
+    /// written: with p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T.
     pub(crate) fn conjugate(&self, matrix: &mut [[T; N]]) {
-        for row in &mut *matrix {
-            self.transpose_times(row);
-        }
         for v in self.reflectors.iter().take(self.rank) {
-            let mut product = [T::ZERO; N];
-            for (row, v) in matrix.iter().zip(v) {
-                add_scaled(&mut product, *v, row);
+            let mut w = [T::ZERO; N];
+            for (i, (row, x)) in matrix.iter().zip(v).enumerate() {
+                if let ([before @ .., diagonal], v) = (part(row, 0..i + 1), part(v, 0..i)) {
+                    let own = dot(before, v) + *diagonal * *x;
+                    add_scaled(&mut w, *x, before);
+                    part_mut(&mut w, i..i + 1).iter_mut().for_each(|w| *w += own);
+                }
             }
-            for (row, v) in matrix.iter_mut().zip(v) {
-                add_scaled(row, -*v, &product);
+            let half = dot(&w, v) * T::from_f32(0.5);
+            add_scaled(&mut w, -half, v);
+            for (i, ((row, v_i), w_i)) in matrix.iter_mut().zip(v).zip(&w).enumerate() {
+                for ((value, v), w) in row.iter_mut().zip(v).zip(&w).take(i + 1) {
+                    *value -= *v_i * *w + *w_i * *v;
+                }
             }
         }
     }
@@ -143,7 +149,16 @@ mod tests {
         let mut matrix: [[f64; 5]; 5] =
             core::array::from_fn(|i| core::array::from_fn(|j| 1.0 / (1.0 + (i + j) as f64)));
         let before = matrix;
+        // Only the lower half counts.
+        for i in 0..5 {
+            matrix[i][i + 1..].fill(f64::NAN);
+        }
         qr.conjugate(&mut matrix);
+        for i in 0..5 {
+            for j in i + 1..5 {
+                matrix[i][j] = matrix[j][i];
+            }
+        }
         // x^T S y = (Q^T x)^T (Q^T S Q) (Q^T y).
         let (x, y) = ([0.3, -1.0, 0.2, 0.5, 0.9], [1.0, 0.4, -0.6, 0.1, -0.2]);
         let form = |s: &[[f64; 5]], x: &[f64], y: &[f64]| (0..5).map(|i| x[i] * dot(&s[i], y)).sum::<f64>();

@@ -55,8 +55,9 @@ impl<T: Real> Stencil<T> {
         let axes = tangents(centre);
         let mut nearby = [Neighbour::NONE; NEIGHBOURS + 1];
         let found = nearest(
-            nodes.map(|point| projection(centre, &axes, point)),
+            nodes,
             Some(node),
+            |point, _| Some(projection(centre, &axes, point)),
             &mut nearby,
         );
         let few = EvaluateError::FewNodes { node };
@@ -64,7 +65,7 @@ impl<T: Real> Stencil<T> {
         let Some((nearby, [last])) = nearby.split_first_chunk::<NEIGHBOURS>() else {
             return Err(few);
         };
-        let radius = last.distance;
+        let radius = last.distance();
         if found <= NEIGHBOURS || radius >= T::from_f32(FAR) {
             return Err(few);
         }
