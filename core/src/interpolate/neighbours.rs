@@ -32,10 +32,9 @@ pub(crate) fn nearest<S, T: Real, const P: usize>(
             continue;
         }
         let Some(offset) = offset(given, limit) else { continue };
-        let square = dot(&offset, &offset);
-        if !(square < limit) {
+        let Some(square) = Some(dot(&offset, &offset)).filter(|square| *square < limit) else {
             continue;
-        }
+        };
         let place = part(out, 0..count).partition_point(|neighbour| neighbour.square <= square);
         count = (count + 1).min(out.len());
         // Every one from its place on moves up by one, and the last falls out.
