@@ -8,9 +8,9 @@
 
 use super::coordinates::{apart, scaled};
 use super::neighbours::{Neighbour, nearest};
-use super::{Coordinates, Weights, at_query, minus};
+use super::{Coordinates, Weights, at_query, minus, square};
 use crate::error::EvaluateError;
-use crate::linalg::{Qr, dot, part, part_mut};
+use crate::linalg::{Qr, part, part_mut};
 use crate::model::wire::Paper;
 use crate::{Parameters, Real};
 
@@ -69,7 +69,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let offset = |sample: Parameters<T>, limit| {
             let sample: [T; P] = sample.array();
             let offset = scaled(&settings.scales, minus(sample, query));
-            let near = dot(&offset, &offset) < limit && !apart(coordinates.side(sample), side);
+            let near = square(offset) < limit && !apart(coordinates.side(sample), side);
             near.then_some(offset)
         };
         let mut neighbours = [Neighbour::NONE; N];

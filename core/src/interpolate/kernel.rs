@@ -6,7 +6,7 @@
 
 use super::coordinates::apart;
 use super::neighbours::{Neighbour, nearest};
-use super::{Coordinates, Weights, at_query, covariance, minus};
+use super::{Coordinates, Weights, at_query, covariance, minus, square};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot, part, part_mut};
 use crate::model::wire::Kernel;
@@ -62,7 +62,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 return None;
             }
             let offset = minus(coordinates.place(sample), origin);
-            let near = dot(&offset, &offset) < limit && !apart(coordinates.side(sample), side);
+            let near = square(offset) < limit && !apart(coordinates.side(sample), side);
             near.then_some(offset)
         };
         let mut neighbours = [Neighbour::NONE; N];

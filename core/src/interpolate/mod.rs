@@ -8,7 +8,7 @@ mod plane;
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{dot, part_mut};
+use crate::linalg::part_mut;
 use crate::model::MatrixView;
 use crate::model::wire::MAX_PARAMETERS;
 pub use coordinates::Coordinates;
@@ -159,13 +159,18 @@ impl<T: Real, const N: usize> Weights<T, N> {
 /// -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
 fn covariance<T: Real, const P: usize>(degree: usize, a: [T; P], b: [T; P]) -> T {
     let offset = minus(a, b);
-    let square = dot(&offset, &offset);
+    let square = square(offset);
     (0..degree).fold(-square.sqrt(), |value, _| -(value * square))
 }
 
 /// First unit vector: the monomials at the query.
 fn at_query<T: Real, const C: usize>() -> [T; C] {
     core::array::from_fn(|k| if k == 0 { T::ONE } else { T::ZERO })
+}
+
+/// Square of the length of a vector of parameters, which are too few for lanes.
+pub(crate) fn square<T: Real, const P: usize>(vector: [T; P]) -> T {
+    vector.iter().fold(T::ZERO, |sum, x| sum + *x * *x)
 }
 
 /// a - b.
@@ -434,7 +439,7 @@ mod tests {
         let weights = weights::<f64>(false, 10, query, None);
         const MONOMIALS: usize = 6;
         let columns = weights.monomials::<2, MONOMIALS>();
-        let w: [f64; N] = core::array::from_fn(|j| weight(dot(&weights.offsets[j], &weights.offsets[j]).sqrt()));
+        let w: [f64; N] = core::array::from_fn(|j| weight(square(weights.offsets[j]).sqrt()));
         let mut system = [[0.0; MONOMIALS + 1]; MONOMIALS];
         for a in 0..MONOMIALS {
             for b in 0..MONOMIALS {

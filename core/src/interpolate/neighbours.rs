@@ -1,7 +1,8 @@
 //! The samples nearest to a query, or the nodes nearest to a node.
 
+use super::square;
 use crate::Real;
-use crate::linalg::{dot, part};
+use crate::linalg::part;
 use crate::model::MOST_SAMPLES;
 
 /// A sample near the query.
@@ -32,7 +33,7 @@ pub(crate) fn nearest<S, T: Real, const P: usize>(
             continue;
         }
         let Some(offset) = offset(given, limit) else { continue };
-        let Some(square) = Some(dot(&offset, &offset)).filter(|square| *square < limit) else {
+        let Some(square) = Some(square(offset)).filter(|square| *square < limit) else {
             continue;
         };
         let place = part(out, 0..count).partition_point(|neighbour| neighbour.square <= square);

@@ -6,10 +6,11 @@ use crate::Real;
 /// A column whose part outside the columns before it is less than this share of its length is left out.
 const DEPENDENT: f32 = 1e-5;
 
-/// Q and R of columns of `N` entries, the last of which may be padding. All vectors have `N` entries too, with zeros
-/// where a reflector does not reach, so that every loop has a constant length.
+/// Q and R of columns of `N` entries, the last of which may be padding. All vectors have `N` entries too, of
+/// which the first `rows` take part.
 #[derive(Debug)]
 pub(crate) struct Qr<T, const N: usize, const C: usize> {
+    rows: usize,
     rank: usize,
     /// Reflector k: I - v v^T, with zeros in the first k entries of v.
     reflectors: [[T; N]; C],
@@ -24,6 +25,7 @@ impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
     pub(crate) fn new(rows: usize, columns: [[T; N]; C]) -> Self {
         const { assert!(C <= N, "a tall matrix") };
         let mut qr = Self {
+            rows,
             rank: 0,
             reflectors: [[T::ZERO; N]; C],
             r: [[T::ZERO; C]; C],
@@ -69,6 +71,7 @@ impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
     /// x <- Q^T x.
     pub(crate) fn transpose_times(&self, x: &mut [T; N]) {
         for v in self.reflectors.iter().take(self.rank) {
+            let (v, x) = (part(v, 0..self.rows), part_mut(x, 0..self.rows));
             let share = dot(v, x);
             add_scaled(x, -share, v);
         }
@@ -77,6 +80,7 @@ impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
     /// x <- Q x.
     pub(crate) fn times(&self, x: &mut [T; N]) {
         for v in part(&self.reflectors, 0..self.rank).iter().rev() {
+            let (v, x) = (part(v, 0..self.rows), part_mut(x, 0..self.rows));
             let share = dot(v, x);
             add_scaled(x, -share, v);
         }

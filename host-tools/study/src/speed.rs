@@ -12,17 +12,37 @@ use crate::{StudyError, name};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Task {
-    /// Preparing a query that is new.
+    /// Preparing new parameters.
     Prepare,
-    /// The outline of a prepared query at a new instant.
+    /// New parameters to one outline at one instant.
     Outline,
-    /// The observables of a prepared query at a new instant.
-    Observables,
-    /// All nodes of a prepared query at a new instant.
+    /// New parameters to the observables at one instant.
+    NewObservables,
+    /// New parameters to all nodes at one instant.
     Surface,
-    /// A new query and all nodes at every stored instant.
+    /// New parameters to all nodes at 100 instants.
     Trajectory,
+    /// The observables of prepared parameters at another instant.
+    Observables,
+    /// All nodes of prepared parameters, 0.02 l/V later than before.
+    NextFrame,
 }
+
+impl Task {
+    /// All of them.
+    pub const ALL: [Task; 7] = [
+        Task::Prepare,
+        Task::Outline,
+        Task::NewObservables,
+        Task::Surface,
+        Task::Trajectory,
+        Task::Observables,
+        Task::NextFrame,
+    ];
+}
+
+/// Instants of a trajectory.
+pub const INSTANTS: usize = 100;
 
 /// The time that a task takes, over repetitions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -57,13 +77,7 @@ pub fn measure<T: Real>(model: &Model, queries: &[[T; 2]], repetitions: usize) -
     }
     let mut timings = Vec::new();
     for method in [Method::Direct, Method::Paper] {
-        for task in [
-            Task::Prepare,
-            Task::Outline,
-            Task::Observables,
-            Task::Surface,
-            Task::Trajectory,
-        ] {
+        for task in Task::ALL {
             let mut durations = durations(model, queries, repetitions, method, task)?;
             durations.sort_by(f64::total_cmp);
             let quantile = |q: usize| durations[(durations.len() - 1) * q / 4];
@@ -96,37 +110,44 @@ fn durations<T: Real>(
         nodes: Nodes::All,
         frame: Frame::Laboratory,
     };
-    let times = model.times();
+    let end = T::from_f32(model.end_time());
+    let at = |i: usize| end * T::from_index(i) / T::from_index(INSTANTS);
+    let times: Vec<T> = (1..=INSTANTS).map(at).collect();
     let mut durations = Vec::with_capacity(repetitions);
     for i in 0..repetitions {
         let query = Query {
             extrapolate: true,
             ..Query::new(queries[i % queries.len()], method)
         };
-        if !matches!(task, Task::Prepare | Task::Trajectory) {
+        // Between stored instants.
+        let mut t = times[(7 * i + 1) % (INSTANTS - 1)] + T::from_f32(0.013);
+        if matches!(task, Task::Observables | Task::NextFrame) {
+            evaluator.prepare(&query)?;
+            evaluator.at(t)?.observables()?;
+            t = if task == Task::NextFrame {
+                t + T::from_f32(0.02)
+            } else {
+                times[(31 * i + 5) % (INSTANTS - 1)] + T::from_f32(0.013)
+            };
+        }
+        let start = Instant::now();
+        if !matches!(task, Task::Observables | Task::NextFrame) {
             evaluator.prepare(&query)?;
         }
-        let t = T::from_f32(times.get((7 * i + 1) % times.rows(), 0));
-        let start = Instant::now();
         match task {
-            Task::Prepare => {
-                evaluator.prepare(&query)?;
-            }
+            Task::Prepare => {}
             Task::Outline => {
                 evaluator.at(t)?.outline(MIDPLANE, Frame::Centroid, &mut outline)?;
             }
-            Task::Observables => {
+            Task::NewObservables | Task::Observables => {
                 black_box(evaluator.at(t)?.observables()?);
             }
-            Task::Surface => {
+            Task::Surface | Task::NextFrame => {
                 evaluator.at(t)?.positions(&all, &mut nodes)?;
             }
             Task::Trajectory => {
-                evaluator.prepare(&query)?;
-                for row in 0..times.rows() {
-                    evaluator
-                        .at(T::from_f32(times.get(row, 0)))?
-                        .positions(&all, &mut nodes)?;
+                for t in &times {
+                    evaluator.at(*t)?.positions(&all, &mut nodes)?;
                     black_box(&nodes);
                 }
             }
