@@ -21,8 +21,9 @@ impl<T: Real> Snapshot<'_, '_, T> {
     /// The vector at a sector node.
     fn sector_node(&self, node: usize) -> [T; 3] {
         let reference = self.mesh.sector_reference(node);
-        let shape: [T; 3] = self.modes.dots(3 * node, self.coefficients);
-        let [x, y, z] = core::array::from_fn(|axis| self.scale * T::from_f32(reference[axis]) + shape[axis]);
+        let [x, y, z] = core::array::from_fn(|axis| {
+            self.scale * T::from_f32(reference[axis]) + self.modes.dot(3 * node + axis, self.coefficients)
+        });
         [x + self.translation, y, z]
     }
 

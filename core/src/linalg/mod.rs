@@ -9,9 +9,7 @@ pub(crate) use qr::Qr;
 use crate::Real;
 use core::ops::Range;
 
-/// Products are added in so many lanes: entry i in lane i mod 8, and the lanes in pairs. Wide enough to vectorise, and the
-/// same sum whatever the target's vectors are.
-pub(crate) const LANES: usize = 8;
+const LANES: usize = 8;
 
 /// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
 /// the range is always there, but the compiler cannot know; this way no panic is linked.
@@ -24,10 +22,63 @@ pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
+/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8 and the lanes
+/// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are.
+pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
+    let mut lanes = [T::ZERO; LANES];
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    for (a, x) in a_chunks.iter().zip(x_chunks) {
+        let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
+        let values = [
+            value(a0),
+            value(a1),
+            value(a2),
+            value(a3),
+            value(a4),
+            value(a5),
+            value(a6),
+            value(a7),
+        ];
+        lanes = add_products(lanes, values, *x);
+    }
+    for ((lane, a), x) in lanes.iter_mut().zip(a_rest).zip(x_rest) {
+        *lane += value(*a) * *x;
+    }
+    sum(lanes)
+}
+
+/// As [`dot_by`], of entries that have units of the same length.
+pub(crate) fn dot_scaled<E: Copy, U: Copy, T: Real>(a: &[E], units: &[U], x: &[T], value: impl Fn(E, U) -> T) -> T {
+    let mut lanes = [T::ZERO; LANES];
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (unit_chunks, unit_rest) = units.as_chunks::<LANES>();
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    for ((a, units), x) in a_chunks.iter().zip(unit_chunks).zip(x_chunks) {
+        let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
+        let [u0, u1, u2, u3, u4, u5, u6, u7] = *units;
+        let scaled = [
+            value(a0, u0),
+            value(a1, u1),
+            value(a2, u2),
+            value(a3, u3),
+            value(a4, u4),
+            value(a5, u5),
+            value(a6, u6),
+            value(a7, u7),
+        ];
+        lanes = add_products(lanes, scaled, *x);
+    }
+    for (((lane, a), unit), x) in lanes.iter_mut().zip(a_rest).zip(unit_rest).zip(x_rest) {
+        *lane += value(*a, *unit) * *x;
+    }
+    sum(lanes)
+}
+
 /// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in
 /// memory.
 #[inline(always)]
-pub(crate) fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LANES]) -> [T; LANES] {
+fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LANES]) -> [T; LANES] {
     let [l0, l1, l2, l3, l4, l5, l6, l7] = lanes;
     let [a0, a1, a2, a3, a4, a5, a6, a7] = a;
     let [x0, x1, x2, x3, x4, x5, x6, x7] = x;
@@ -44,22 +95,13 @@ pub(crate) fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LAN
 }
 
 /// The sum of the lanes.
-pub(crate) fn sum<T: Real>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
+fn sum<T: Real>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Dot product of two vectors.
 pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
-    let mut lanes = [T::ZERO; LANES];
-    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
-    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-    for (a, x) in a_chunks.iter().zip(x_chunks) {
-        lanes = add_products(lanes, *a, *x);
-    }
-    for ((lane, a), x) in lanes.iter_mut().zip(a_rest).zip(x_rest) {
-        *lane += *a * *x;
-    }
-    sum(lanes)
+    dot_by(a, x, |value| value)
 }
 
 /// y <- y + factor x.

@@ -2,39 +2,45 @@
 
 use super::wire::{Blob, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{LANES, add_products, part, sum};
+use crate::linalg::{dot_by, dot_scaled, part};
 
-/// A stored matrix, row-major, read byte by byte: it need not be aligned.
+/// A stored matrix, row-major; reads single by single where the bytes are not aligned.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixView<'a> {
     rows: usize,
     columns: usize,
-    /// The units of the columns of integers; none of singles.
-    units: &'a [[u8; 4]],
     entries: Entries<'a>,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Entries<'a> {
-    Singles(&'a [[u8; 4]]),
-    Integers(&'a [[u8; 2]]),
+    Aligned(&'a [f32]),
+    Bytes(&'a [[u8; 4]]),
+    /// Integers in the units of their columns.
+    Scaled {
+        units: &'a [[u8; 4]],
+        integers: &'a [[u8; 2]],
+    },
 }
 
 impl<'a> MatrixView<'a> {
     /// A view of a matrix; entries that its bytes do not hold read as 0.
     pub fn new(matrix: &Matrix<'a>) -> Self {
         let data = matrix.blob.data;
-        let (units, entries) = match matrix.encoding {
-            Encoding::F32 => (Default::default(), Entries::Singles(data.as_chunks().0)),
-            Encoding::I16 => {
+        let entries = match (matrix.encoding, bytemuck::try_cast_slice(data)) {
+            (Encoding::F32, Ok(singles)) if cfg!(target_endian = "little") => Entries::Aligned(singles),
+            (Encoding::F32, _) => Entries::Bytes(data.as_chunks().0),
+            (Encoding::I16, _) => {
                 let (units, integers) = data.split_at_checked(4 * matrix.columns as usize).unwrap_or_default();
-                (units.as_chunks().0, Entries::Integers(integers.as_chunks().0))
+                Entries::Scaled {
+                    units: units.as_chunks().0,
+                    integers: integers.as_chunks().0,
+                }
             }
         };
         Self {
             rows: matrix.rows as usize,
             columns: matrix.columns as usize,
-            units,
             entries,
         }
     }
@@ -53,9 +59,10 @@ impl<'a> MatrixView<'a> {
     pub fn get(&self, row: usize, column: usize) -> f32 {
         let index = row * self.columns + column;
         match self.entries {
-            Entries::Singles(entries) => entries.get(index).map_or(0.0, |bytes| single(*bytes)),
-            Entries::Integers(entries) => match (self.units.get(column), entries.get(index)) {
-                (Some(unit), Some(bytes)) => single(*unit) * integer(*bytes),
+            Entries::Aligned(entries) => entries.get(index).copied().unwrap_or_default(),
+            Entries::Bytes(entries) => entries.get(index).map_or(0.0, |bytes| f32::from_le_bytes(*bytes)),
+            Entries::Scaled { units, integers } => match (units.get(column), integers.get(index)) {
+                (Some(unit), Some(integer)) => f32::from_le_bytes(*unit) * f32::from(i16::from_le_bytes(*integer)),
                 _ => 0.0,
             },
         }
@@ -78,67 +85,27 @@ impl<'a> MatrixView<'a> {
         (0..self.rows).map(move |row| core::array::from_fn(|column| entry(row, column)))
     }
 
-    /// `R` rows from `first` on times a vector as long as they are. They share each product of a unit and an entry of the
-    /// vector.
-    pub(crate) fn dots<T: Real, const R: usize>(&self, first: usize, x: &[T]) -> [T; R] {
-        let starts = core::array::from_fn(|row| (first + row) * self.columns);
-        let ranges = starts.map(|start| start..start + self.columns);
-        match self.entries {
-            Entries::Singles(entries) => {
-                let rows = ranges.map(|range| part(entries, range));
-                self.products(rows, x, |bytes| T::from_f32(single(bytes)))
-            }
-            Entries::Integers(entries) => {
-                let rows = ranges.map(|range| part(entries, range));
-                self.products(rows, x, |bytes| T::from_f32(integer(bytes)))
-            }
-        }
-    }
-
-    fn products<E: Copy, T: Real, const R: usize>(
-        &self,
-        rows: [&[E]; R],
-        x: &[T],
-        value: impl Fn(E) -> T + Copy,
-    ) -> [T; R] {
-        let mut lanes = [[T::ZERO; LANES]; R];
-        let rows = rows.map(|row| row.as_chunks::<LANES>());
-        let (units, units_rest) = self.units.as_chunks::<LANES>();
-        let (x, x_rest) = x.as_chunks::<LANES>();
-        for (chunk, x) in x.iter().enumerate() {
-            let x = units.get(chunk).map_or(*x, |units| scaled(units, x));
-            for (lanes, (chunks, _)) in lanes.iter_mut().zip(rows) {
-                if let Some(entries) = chunks.get(chunk) {
-                    *lanes = add_products(*lanes, entries.map(value), x);
-                }
-            }
-        }
-        for (lane, x) in x_rest.iter().enumerate() {
-            let x = units_rest.get(lane).map_or(*x, |unit| T::from_f32(single(*unit)) * *x);
-            for (lanes, (_, rest)) in lanes.iter_mut().zip(rows) {
-                if let (Some(sum), Some(entry)) = (lanes.get_mut(lane), rest.get(lane)) {
-                    *sum += value(*entry) * x;
-                }
-            }
-        }
-        lanes.map(total)
-    }
-
     /// Row times vector, over the row's columns.
     pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
-        let [product] = self.dots(row, x);
-        product
+        let range = row * self.columns..(row + 1) * self.columns;
+        match self.entries {
+            Entries::Aligned(entries) => dot_by(entries.get(range).unwrap_or_default(), x, T::from_f32),
+            Entries::Bytes(entries) => dot_by(entries.get(range).unwrap_or_default(), x, |bytes| {
+                T::from_f32(f32::from_le_bytes(bytes))
+            }),
+            Entries::Scaled { units, integers } => {
+                let integers = integers.get(range).unwrap_or_default();
+                dot_scaled(integers, units, x, |integer, unit| {
+                    T::from_f32(f32::from(i16::from_le_bytes(integer)) * f32::from_le_bytes(unit))
+                })
+            }
+        }
     }
 
     /// out <- the rows from `first` on times a vector, as many as `out` holds.
     pub(crate) fn multiply<T: Real>(&self, first: usize, x: &[T], out: &mut [T]) {
-        let (triples, rest) = out.as_chunks_mut::<3>();
-        let done = 3 * triples.len();
-        for (triple, out) in triples.iter_mut().enumerate() {
-            *out = self.dots(first + 3 * triple, x);
-        }
-        for (row, out) in rest.iter_mut().enumerate() {
-            *out = self.dot(first + done + row, x);
+        for (row, out) in out.iter_mut().enumerate() {
+            *out = self.dot(first + row, x);
         }
     }
 
@@ -146,37 +113,23 @@ impl<'a> MatrixView<'a> {
     pub(crate) fn add_row<T: Real>(&self, row: usize, factor: T, out: &mut [T]) {
         let range = row * self.columns..(row + 1) * self.columns;
         match self.entries {
-            Entries::Singles(entries) => {
-                for (entry, out) in part(entries, range).iter().zip(out) {
-                    *out += factor * T::from_f32(single(*entry));
-                }
-            }
-            Entries::Integers(entries) => {
-                for ((entry, unit), out) in part(entries, range).iter().zip(self.units).zip(out) {
-                    *out += factor * T::from_f32(single(*unit) * integer(*entry));
+            Entries::Aligned(entries) => add_by(out, factor, part(entries, range), |value| value),
+            Entries::Bytes(entries) => add_by(out, factor, part(entries, range), f32::from_le_bytes),
+            Entries::Scaled { units, integers } => {
+                for ((out, integer), unit) in out.iter_mut().zip(part(integers, range)).zip(units) {
+                    let value = f32::from(i16::from_le_bytes(*integer)) * f32::from_le_bytes(*unit);
+                    *out += factor * T::from_f32(value);
                 }
             }
         }
     }
 }
 
-fn single(bytes: [u8; 4]) -> f32 {
-    f32::from_le_bytes(bytes)
-}
-
-fn integer(bytes: [u8; 2]) -> f32 {
-    i16::from_le_bytes(bytes).into()
-}
-
-/// The sum of the lanes, apart from the loop: with it in view, compilers vectorise the loop in halves of a vector.
-#[inline(never)]
-fn total<T: Real>(lanes: [T; LANES]) -> T {
-    sum(lanes)
-}
-
-/// x times units, lane by lane.
-fn scaled<T: Real>(units: &[[u8; 4]; LANES], x: &[T; LANES]) -> [T; LANES] {
-    core::array::from_fn(|lane| T::from_f32(single(units[lane])) * x[lane])
+/// out <- out + factor times stored entries.
+fn add_by<E: Copy, T: Real>(out: &mut [T], factor: T, entries: &[E], value: impl Fn(E) -> f32) {
+    for (out, entry) in out.iter_mut().zip(entries) {
+        *out += factor * T::from_f32(value(*entry));
+    }
 }
 
 /// A stored list of node indices.
@@ -247,6 +200,7 @@ mod tests {
                 bytes[start + shift + 4 * i..][..4].copy_from_slice(&value.to_le_bytes());
             }
             let view = MatrixView::new(&Matrix::f32(2, 3, &bytes[start + shift..][..24]));
+            assert_eq!(matches!(view.entries, Entries::Aligned(_)), shift == 0);
             assert_eq!(view.get(1, 2), -0.5);
             view.multiply(0, &x, found);
         }
