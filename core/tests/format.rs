@@ -5,7 +5,7 @@ mod common;
 use capsule_core::model::wire::{Blob, Contents, Matrix, Reference};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
-use common::{Arena, Family, write};
+use common::{Arena, Family, with_header, write};
 use proptest::prelude::*;
 
 const HEADER: usize = 16;
@@ -120,17 +120,6 @@ fn a_damaged_header_is_refused() {
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
-}
-
-/// Puts a right header before a payload.
-fn with_header(payload: &[u8]) -> Vec<u8> {
-    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
-    let words = [u32::from_le_bytes(*b"CROM"), 3, payload.len() as u32, checksum];
-    words
-        .into_iter()
-        .flat_map(u32::to_le_bytes)
-        .chain(payload.iter().copied())
-        .collect()
 }
 
 #[test]

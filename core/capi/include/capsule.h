@@ -104,6 +104,10 @@ enum capsule_status
   CAPSULE_STATUS_UNKNOWN_NODE = 46,
   // The result is not finite: the parameters are too far from all samples.
   CAPSULE_STATUS_NOT_FINITE = 47,
+  // The model does not know the stress-free state, from which the mechanics of the membrane follows.
+  CAPSULE_STATUS_NO_SPHERE = 48,
+  // The model has no such outline.
+  CAPSULE_STATUS_NO_OUTLINE = 49,
   // An error that this version of the interface has no name for.
   CAPSULE_STATUS_OTHER = 99,
 };
@@ -203,7 +207,8 @@ typedef struct capsule_model {
   uint64_t opaque[CAPSULE_MODEL_WORDS];
 } capsule_model;
 
-// What a call failed at. A field that the status does not mention is zero.
+// What a call failed at. A field that the status does not mention is zero. Where the status is that a pointer is null or
+// misaligned, or that two overlap, nothing is written: the pointer to this could be the one at fault.
 typedef struct capsule_error {
   // The status that the call returned.
   capsule_status status;

@@ -6,7 +6,8 @@ use capsule_core::{EvaluateError, OpenError};
 use core::ffi::c_char;
 use core::ptr;
 
-/// What a call failed at. A field that the status does not mention is zero.
+/// What a call failed at. A field that the status does not mention is zero. Where the status is that a pointer is null or
+/// misaligned, or that two overlap, nothing is written: the pointer to this could be the one at fault.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
@@ -160,6 +161,8 @@ impl From<EvaluateError> for Error {
                 Self::from(Status::Short).found(figure(found)).least(figure(required))
             }
             EvaluateError::NotFinite => Status::NotFinite.into(),
+            EvaluateError::NoSphere => Status::NoSphere.into(),
+            EvaluateError::UnknownNodeSet => Status::NoOutline.into(),
             _ => Status::Other.into(),
         }
     }

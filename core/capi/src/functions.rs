@@ -37,9 +37,10 @@ pub unsafe extern "C" fn capsule_v1_open(
     error: *mut Error,
 ) -> Status {
     let work = |error: Option<Bytes>| {
-        let model = object(model, size)?;
+        let model = Buffer::new(model, 1)?;
         let file = Buffer::new(file.cast::<u8>(), length)?;
         apart_from(error, &[model.bytes(), file.bytes()])?;
+        holds::<Model>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe {
             model.clear();
@@ -125,8 +126,9 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: usize, error: *mut Error) -> Status {
     let work = |error: Option<Bytes>| {
-        let workspace = object(workspace, size)?;
+        let workspace = Buffer::new(workspace, 1)?;
         apart_from(error, &[workspace.bytes()])?;
+        holds::<Workspace>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe { workspace.empty() };
         Ok(())
@@ -479,7 +481,8 @@ unsafe fn report(error: *mut Error, work: impl FnOnce(Option<Bytes>) -> Result<(
         Err(status) => return status,
     };
     let failure = work(place.as_ref().map(Buffer::bytes)).err().unwrap_or(Error::NONE);
-    if let (Some(place), false) = (place, failure.status == Status::Overlap) {
+    let pointer_at_fault = matches!(failure.status, Status::Null | Status::Misaligned | Status::Overlap);
+    if let (Some(place), false) = (place, pointer_at_fault) {
         // SAFETY: the caller keeps what the module says, and no other buffer is there.
         unsafe { place.place() }.write(failure);
     }
@@ -503,14 +506,13 @@ fn apart_from<const N: usize>(error: Option<Bytes>, buffers: &[Bytes; N]) -> Res
     })
 }
 
-/// An object for a content, of which the caller says how large it is.
-fn object<O>(pointer: *mut O, size: usize) -> Result<Buffer<O>, Error> {
-    let object = Buffer::new(pointer, 1)?;
+/// Refuses an object that the caller says is smaller than its content.
+fn holds<O>(size: usize) -> Result<(), Error> {
     let needed = size_of::<O>();
     if size < needed {
         return Err(Error::from(Status::Short).found(figure(size)).least(figure(needed)));
     }
-    Ok(object)
+    Ok(())
 }
 
 fn choice(what: &'static str, found: usize, greatest: usize) -> Error {

@@ -56,12 +56,16 @@ pub enum Status {
     UnknownNode = 46,
     /// The result is not finite: the parameters are too far from all samples.
     NotFinite = 47,
+    /// The model does not know the stress-free state, from which the mechanics of the membrane follows.
+    NoSphere = 48,
+    /// The model has no such outline.
+    NoOutline = 49,
     /// An error that this version of the interface has no name for.
     Other = 99,
 }
 
 impl Status {
-    const ALL: [Self; 24] = [
+    const ALL: [Self; 26] = [
         Self::Ok,
         Self::Null,
         Self::Misaligned,
@@ -86,6 +90,8 @@ impl Status {
         Self::NotPrepared,
         Self::UnknownNode,
         Self::NotFinite,
+        Self::NoSphere,
+        Self::NoOutline,
     ];
 
     /// The status of a number; [`Other`](Self::Other) for one that has no meaning.
@@ -121,6 +127,8 @@ impl Status {
             Self::NotPrepared => c"no query was prepared with this model in this workspace",
             Self::UnknownNode => c"the model has no such node",
             Self::NotFinite => c"the result is not finite: the parameters are too far from all samples",
+            Self::NoSphere => c"the model does not know the membrane's stress-free state",
+            Self::NoOutline => c"the model has no such outline",
             Self::Other => c"an error that this version of the interface has no name for",
         }
     }

@@ -188,6 +188,25 @@ fn overlapping_buffers() {
     );
 }
 
+/// The error may be what is at fault: then it is not written, not even for a fault that is found first.
+#[test]
+fn an_error_inside_an_object_is_not_written() {
+    let mut fixture = Fixture::new();
+    let inside = (&raw mut *fixture.workspace).wrapping_byte_add(64).cast();
+    let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+    let before = fixture.workspace.opaque;
+    // SAFETY: every call is refused.
+    let found = unsafe {
+        [
+            capsule_v1_volume_at(model, workspace, 1.0, null_mut(), inside),
+            capsule_v1_prepare(model, workspace, null(), null_mut(), inside),
+            capsule_v1_initialise(workspace, 8, inside),
+        ]
+    };
+    assert_eq!(found, [Status::Null, Status::Null, Status::Overlap]);
+    assert!(fixture.workspace.opaque == before);
+}
+
 #[test]
 fn objects_that_were_not_set_up() {
     let mut fixture = Fixture::new();

@@ -176,6 +176,17 @@ impl Family {
         }
     }
 
+    /// As few nodes, samples and instants as a family can have and still use every part of the format.
+    pub fn small() -> Self {
+        let samples = design(|_| true).into_iter().step_by(4).collect();
+        let times = (0..=4).map(|i| i as f32).collect();
+        Self {
+            samples,
+            times,
+            ..Self::new(1)
+        }
+    }
+
     pub fn nodes(&self) -> usize {
         self.sphere.nodes.len()
     }
@@ -442,6 +453,17 @@ pub fn write(contents: &Contents<'_>) -> Vec<u8> {
     let length = encode(contents, &mut buffer).unwrap();
     buffer.truncate(length);
     buffer
+}
+
+/// Puts a right header before a payload.
+pub fn with_header(payload: &[u8]) -> Vec<u8> {
+    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
+    let words = [u32::from_le_bytes(*b"CROM"), 3, payload.len() as u32, checksum];
+    words
+        .into_iter()
+        .flat_map(u32::to_le_bytes)
+        .chain(payload.iter().copied())
+        .collect()
 }
 
 /// Keeps the arrays of a model's contents.

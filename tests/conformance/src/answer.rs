@@ -54,6 +54,8 @@ impl Asker {
         if let Err(error) = outcome {
             text.word(match error {
                 EvaluateError::Value { .. } => "error-value",
+                EvaluateError::Parameter { .. } => "error-parameter",
+                EvaluateError::FarFromSamples { .. } => "error-far-from-samples",
                 EvaluateError::OutsideDomain { .. } => "error-outside-domain",
                 EvaluateError::BeyondSteadyLimit { .. } => "error-beyond-steady-limit",
                 EvaluateError::Weights { .. } => "error-weights",

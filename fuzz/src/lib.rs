@@ -1,0 +1,124 @@
+//! What the fuzz targets share: a small model, numbers near and far from its ranges, and what must be true of answers.
+
+#[path = "../../core/tests/common/mod.rs"]
+mod common;
+
+use capsule_core::{
+    DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, model::wire::MAX_PARAMETERS,
+};
+use libfuzzer_sys::arbitrary::{self, Arbitrary};
+use std::sync::LazyLock;
+
+pub use common::{Family, with_header};
+
+/// A small model's file.
+pub static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| Family::small().file());
+
+/// A number: most of them near a range, some of them any pattern of bits.
+#[derive(Arbitrary, Clone, Copy, Debug)]
+pub enum Number {
+    Bits(u32),
+    Share(u16),
+}
+
+impl Number {
+    /// A share of the range, from a fifth below it to a fifth above it.
+    pub fn of(self, [least, greatest]: [f32; 2]) -> f32 {
+        match self {
+            Self::Bits(bits) => f32::from_bits(bits),
+            Self::Share(share) => least + (f32::from(share) / 65535.0 * 1.4 - 0.2) * (greatest - least),
+        }
+    }
+}
+
+/// A query and the instants that it is asked for.
+#[derive(Arbitrary, Debug)]
+pub struct Question {
+    pub parameters: [Number; MAX_PARAMETERS],
+    pub paper: bool,
+    pub extrapolate: bool,
+    pub step: Number,
+    pub instants: [Number; 2],
+    pub node: u16,
+}
+
+/// Asks a model for everything: what it answers is finite.
+///
+/// # Panics
+/// If an answer is not finite.
+pub fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
+    let Ok(mut evaluator) = Evaluator::new(model, workspace) else {
+        return;
+    };
+    let ranges = &model.contents().metadata.parameters;
+    let parameters: Vec<f32> = question
+        .parameters
+        .iter()
+        .zip(ranges)
+        .map(|(number, range)| number.of([range.min as f32, range.max as f32]))
+        .collect();
+    let Some(parameters) = capsule_core::Parameters::new(&parameters) else {
+        return;
+    };
+    let method = if question.paper { Method::Paper } else { Method::Direct };
+    let end = model.end_time();
+    let step = question.step.of([end / 64.0, end]);
+    // Not many steps: an execution shall be short.
+    if 0.0 < step && step < end / 64.0 {
+        return;
+    }
+    let query = Query {
+        extrapolate: question.extrapolate,
+        step: Some(step),
+        ..Query::new(parameters, method)
+    };
+    if evaluator.prepare(&query).is_err() {
+        return;
+    }
+    for t in question.instants {
+        let Ok(mut instant) = evaluator.at(t.of([0.0, end])) else {
+            continue;
+        };
+        if let Ok(found) = instant.observables() {
+            let all = [
+                found.axial_length,
+                found.half_width,
+                found.half_diagonal,
+                found.rear_depth,
+                found.velocity,
+                found.centroid,
+            ];
+            assert!(all.iter().all(|number| number.is_finite()), "{found:?}");
+        }
+        assert!(instant.volume().map_or(true, f32::is_finite));
+        assert!(!instant.expected_error().is_nan());
+        assert!(!instant.error_bound().is_nan());
+        let mut points = vec![[0.0; 2]; 64];
+        for name in [MIDPLANE, DIAGONAL] {
+            if let Ok(count) = instant.outline(name, Frame::Laboratory, &mut points) {
+                assert!(points[..count].as_flattened().iter().all(|number| number.is_finite()));
+            }
+        }
+        let mut vectors = vec![[0.0; 3]; model.mesh().nodes()];
+        let nodes = [question.node];
+        let scene = Scene {
+            nodes: if question.node % 2 == 0 {
+                Nodes::All
+            } else {
+                Nodes::List(&nodes)
+            },
+            frame: Frame::Centroid,
+        };
+        if let Ok(count) = instant.positions(&scene, &mut vectors) {
+            assert!(vectors[..count].as_flattened().iter().all(|number| number.is_finite()));
+        }
+        if let Ok(count) = instant.velocities(&scene, &mut vectors) {
+            assert!(vectors[..count].as_flattened().iter().all(|number| number.is_finite()));
+        }
+        if let Ok(membrane) = instant.membrane(&mut vectors) {
+            assert!(membrane.area().map_or(true, f32::is_finite));
+            assert!(membrane.energy().map_or(true, f32::is_finite));
+            assert!(membrane.pressure_drop().map_or(true, f32::is_finite));
+        }
+    }
+}
