@@ -4,7 +4,9 @@ mod budgets;
 mod command;
 mod conformance;
 mod explore;
+mod fuzz;
 mod header;
+mod miri;
 mod package;
 mod setup;
 mod test;
@@ -37,6 +39,10 @@ enum Task {
     Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
     Conformance(conformance::Options),
+    /// Search for inputs that the core or its C interface cannot stand, with libFuzzer and the address sanitizer
+    Fuzz(fuzz::Options),
+    /// Run tests of the core and of its C interface in Miri, which finds undefined behaviour
+    Miri,
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,
     /// Build an archive of the C interface for this machine and for Cortex-M into target/package
@@ -65,6 +71,8 @@ fn main() -> ExitCode {
         Task::Setup => setup::everything(),
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
+        Task::Fuzz(options) => fuzz::fuzz(&options),
+        Task::Miri => miri::miri(),
         Task::Header => header::write(),
         Task::Package => package::package(),
         Task::Wasm => wasm::build(),

@@ -40,6 +40,33 @@ pub fn rust_target(target: &str) -> Result<()> {
     run(&mut command(&install)).map_err(|error| anyhow!("Rust target {target}: run `{install}` ({error})"))
 }
 
+/// A nightly compiler with these components, separated by spaces, for what the stable one does not do.
+pub fn nightly(components: &str) -> Result<()> {
+    if !on_path("rustup") {
+        bail!("nightly Rust: rustup is not on the PATH");
+    }
+    let installed = command("rustup component list --installed --toolchain nightly").output();
+    let installed = installed.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())?;
+    let has = |component: &str| installed.lines().any(|line| line.starts_with(component));
+    if has("rustc") && components.split_whitespace().all(has) {
+        return Ok(());
+    }
+    let mut install = "rustup toolchain install nightly --profile minimal".to_owned();
+    components
+        .split_whitespace()
+        .for_each(|component| install += &format!(" --component {component}"));
+    run(&mut command(&install)).map_err(|error| anyhow!("nightly Rust: run `{install}` ({error})"))
+}
+
+/// A subcommand of cargo.
+pub fn cargo_subcommand(name: &str) -> Result<()> {
+    if on_path(&format!("cargo-{name}")) {
+        return Ok(());
+    }
+    let install = format!("cargo install cargo-{name} --locked");
+    run(&mut command(&install)).map_err(|error| anyhow!("cargo {name}: run `{install}` ({error})"))
+}
+
 /// A program that a Debian package brings.
 pub fn debian_package(program: &str, package: &str) -> Result<()> {
     if on_path(program) {

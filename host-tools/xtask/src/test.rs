@@ -1,7 +1,7 @@
 //! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
 
 use crate::command::{command, command_in, run};
-use crate::{budgets, conformance, explore, package, root, setup};
+use crate::{budgets, conformance, explore, fuzz, package, root, setup};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::time::Instant;
@@ -28,6 +28,8 @@ enum Stage {
     C,
     /// instructions, stack and bytes of the online stage on an emulated Cortex-M4F
     Budgets,
+    /// inputs made by libFuzzer, for a few seconds
+    Fuzz,
     /// a sharded sweep on a Slurm of one node
     Cluster,
     /// the page: types, lint, and a drive through it in Chromium
@@ -35,12 +37,13 @@ enum Stage {
 }
 
 impl Stage {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Lint,
         Self::Rust,
         Self::Firmware,
         Self::C,
         Self::Budgets,
+        Self::Fuzz,
         Self::Cluster,
         Self::Browser,
     ];
@@ -66,6 +69,7 @@ impl Stage {
                 setup::debian_package("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
             }
+            Self::Fuzz => fuzz::set_up(),
             Self::Cluster => setup::debian_package("slurmctld", "slurmctld slurmd slurm-client munge"),
             Self::Browser => {
                 setup::rust_target("wasm32-unknown-unknown")?;
@@ -94,6 +98,7 @@ impl Stage {
                     .env("CAPSULE_CORTEX_M_PACKAGE", cortex_m))
             }
             Self::Budgets => budgets::budgets(&budgets::Options::default()),
+            Self::Fuzz => fuzz::fuzz(&fuzz::Options { seconds: 5 }),
             Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
             Self::Browser => {
                 explore::build()?;
