@@ -1,9 +1,12 @@
 //! Every bit of a small model, flipped under a checksum that agrees: refused, or answers that are finite or errors.
 
 mod common;
+#[path = "common/header.rs"]
+mod header;
 
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
-use common::{Family, with_header};
+use common::Family;
+use header::with_header;
 
 const HEADER: usize = 16;
 

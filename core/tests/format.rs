@@ -1,11 +1,14 @@
 //! The model file: what is written is read, in place; what is wrong is refused by name.
 
 mod common;
+#[path = "common/header.rs"]
+mod header;
 
 use capsule_core::model::wire::{Blob, Contents, Matrix, Reference};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
-use common::{Arena, Family, with_header, write};
+use common::{Arena, Family, write};
+use header::with_header;
 use proptest::prelude::*;
 
 const HEADER: usize = 16;

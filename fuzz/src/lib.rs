@@ -2,6 +2,8 @@
 
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
+#[path = "../../core/tests/common/header.rs"]
+mod header;
 
 use capsule_core::{
     DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, model::wire::MAX_PARAMETERS,
@@ -9,7 +11,9 @@ use capsule_core::{
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use std::sync::LazyLock;
 
-pub use common::{Family, with_header};
+pub use header::with_header;
+
+use common::Family;
 
 /// A small model's file.
 pub static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| Family::small().file());
