@@ -29,10 +29,16 @@ pub struct Options {
     /// Record the figures instead of comparing them
     #[arg(long)]
     write: bool,
+    /// Instead, measure how much the cost of a query spreads, over this many random queries and over chosen ones
+    #[arg(long, value_name = "QUERIES", conflicts_with_all = ["json", "write"])]
+    spread: Option<usize>,
 }
 
 /// Measures, and compares with what was recorded.
 pub fn budgets(options: &Options) -> Result<()> {
+    if let Some(queries) = options.spread {
+        return spread(queries);
+    }
     let figures = measure()?;
     if options.json {
         println!("{:#}", Value::Object(figures.clone()));
@@ -85,7 +91,7 @@ fn risen(recorded: &Value, figures: &Map<String, Value>) -> Vec<String> {
 fn measure() -> Result<Map<String, Value>> {
     let package = package::folder(package::CORTEX_M)?;
     let mut figures = Map::new();
-    for line in emulated(&package)?.lines() {
+    for line in emulated(&package, "budgets.c", &[])?.lines() {
         let (name, value) = line.split_once(' ').ok_or_else(|| anyhow!("the board says: {line}"))?;
         let value: u64 = value.parse().with_context(|| format!("the board says: {line}"))?;
         let name = if name.ends_with("_instructions") {
@@ -104,8 +110,34 @@ fn measure() -> Result<Map<String, Value>> {
     Ok(figures)
 }
 
-/// What the firmware of tests/budgets prints.
-fn emulated(package: &Path) -> Result<String> {
+/// Prints the median and the greatest cost of queries, and their ratio.
+fn spread(queries: usize) -> Result<()> {
+    let package = package::folder(package::CORTEX_M)?;
+    let text = emulated(&package, "spread.c", &[format!("-DRANDOM={queries}")])?;
+    println!(
+        "{:<12} {:>8} {:>12} {:>12} {:>6}",
+        "queries", "count", "median", "greatest", "ratio"
+    );
+    for kind in ["random", "adversarial", "paper"] {
+        let counts = text.lines().filter_map(|line| line.strip_prefix(kind));
+        let mut counts: Vec<u64> = counts
+            .map(|count| count.trim().parse().with_context(|| format!("the board says: {count}")))
+            .collect::<Result<_>>()?;
+        counts.sort_unstable();
+        let [Some(&median), Some(&greatest)] = [counts.get(counts.len() / 2), counts.last()] else {
+            continue;
+        };
+        let ratio = greatest as f64 / median as f64;
+        println!(
+            "{kind:<12} {:>8} {median:>12} {greatest:>12} {ratio:>6.2}",
+            counts.len()
+        );
+    }
+    Ok(())
+}
+
+/// What a program of tests/budgets prints.
+fn emulated(package: &Path, source: &str, defines: &[String]) -> Result<String> {
     let program = target_directory().join("budgets.elf");
     run(command(
         "arm-none-eabi-gcc -std=c11 -O2 -Wall -Wextra -Werror -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \
@@ -113,7 +145,8 @@ fn emulated(package: &Path) -> Result<String> {
          -DMODEL=\"models/capsule.crom\" examples/cortex-m/start.c examples/model.S",
     )
     .current_dir(package)
-    .arg(root().join("tests/budgets/budgets.c"))
+    .args(defines)
+    .arg(root().join("tests/budgets").join(source))
     .args(["lib/libcapsule.a", "-o"])
     .arg(&program))?;
     output(

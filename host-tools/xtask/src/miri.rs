@@ -5,11 +5,14 @@ use crate::command::{command, run};
 use crate::setup;
 use anyhow::Result;
 
+/// A target for which libm has no assembler, which Miri cannot interpret; the tests need nothing else of it.
+const TARGET: &str = "riscv64gc-unknown-linux-gnu";
+
 /// Runs the tests.
 pub fn miri() -> Result<()> {
     setup::nightly("miri rust-src")?;
-    run(&mut command(
-        "cargo +nightly miri test --package capsule-capi --test refusals",
-    ))?;
-    run(&mut command("cargo +nightly miri test --package capsule-core --lib"))
+    for tests in ["--package capsule-capi --test refusals", "--package capsule-core --lib"] {
+        run(&mut command(&format!("cargo +nightly miri test --target {TARGET} {tests}")))?;
+    }
+    Ok(())
 }
