@@ -12,7 +12,9 @@ const TARGET: &str = "riscv64gc-unknown-linux-gnu";
 pub fn miri() -> Result<()> {
     setup::nightly("miri rust-src")?;
     for tests in ["--package capsule-capi --test refusals", "--package capsule-core --lib"] {
-        run(&mut command(&format!("cargo +nightly miri test --target {TARGET} {tests}")))?;
+        run(&mut command(&format!(
+            "cargo +nightly miri test --target {TARGET} {tests}"
+        )))?;
     }
     Ok(())
 }
