@@ -140,8 +140,9 @@ fn samples_close_to_each_other() {
     assert!(error_at_distance::<f64>(1e-9).is_err());
 }
 
-/// The greatest of the weights grows with the distance from the samples, and rounding with it: single precision refuses
-/// where their sum is no longer 1, and gives no answer that is not finite.
+/// The weights grow with the distance from the samples, and rounding with them. What comes out is finite or refused; fifty
+/// times beyond the sampled range the direct method still follows the family, which is linear in Ca, farther out its
+/// numbers mean nothing. The line goes through two answers within the range.
 #[test]
 fn extrapolation_that_goes_too_far() {
     let file = Family::new(2).file();
@@ -156,6 +157,8 @@ fn extrapolation_that_goes_too_far() {
         })?;
         Ok(evaluator.at(2.0)?.observables()?.axial_length)
     };
+    let inside = [0.01_f32, 0.1].map(|ca| axial_length(Method::Direct, ca).unwrap());
+    let slope = (inside[1] - inside[0]) / 0.09;
     for power in -5..=6 {
         let far = 10_f32.powi(power);
         for method in [Method::Direct, Method::Paper] {
@@ -164,6 +167,8 @@ fn extrapolation_that_goes_too_far() {
             assert!(refused || found.is_ok_and(f32::is_finite), "{far}: {found:?}");
         }
         let found = axial_length(Method::Direct, far);
-        assert_eq!(found.is_ok(), far < 0.5, "{far}: {found:?}");
+        let linear = inside[0] + slope * (far - 0.01);
+        let follows = found.is_ok_and(|found| (found - linear).abs() < 2e-3 * linear);
+        assert!(follows || far > 10.0, "{far}: {found:?}, {linear}");
     }
 }
