@@ -8,13 +8,13 @@
 
 use crate::Real;
 use crate::linalg::{add_scaled, dot, jacobi, part, part_mut};
-use crate::motion::Field;
+use crate::workspace::PAPER_MODES;
 
 /// A local basis: `rank` orthonormal rows of W^T over the global coefficients.
 #[derive(Clone, Debug)]
-pub(crate) struct Basis<T, const K: usize, const M: usize> {
+pub(crate) struct Basis<T, const M: usize> {
     rank: usize,
-    rows: [[T; K]; M],
+    rows: [[T; PAPER_MODES]; M],
 }
 
 /// How far a basis is learned.
@@ -30,24 +30,25 @@ impl<T> Learning<T> {
     pub(crate) const START: Self = Self::Snapshot(0);
 }
 
-impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
+impl<T: Real, const M: usize> Basis<T, M> {
     pub(crate) const EMPTY: Self = Self {
         rank: 0,
-        rows: [[T::ZERO; K]; M],
+        rows: [[T::ZERO; PAPER_MODES]; M],
     };
 
     /// A piece of the work of finding a field's basis from its snapshots at all stored instants: one snapshot, or one
-    /// row of their factor. Returns how far it has come, none at the end. `factor` is room for the triangular factor,
-    /// left alone between the pieces. The rank is at most `wanted`, and less where the snapshots have no more.
+    /// row of their factor. Returns how far it has come, none at the end. `snapshot` gives the `rank` coefficients at a stored
+    /// instant. `factor` is room for the triangular factor, left alone between the pieces. The local rank is at most
+    /// `wanted`, and less where the snapshots have no more.
     pub(crate) fn learn(
         &mut self,
         learning: Learning<T>,
-        field: &Field<'_, '_, T>,
+        rank: usize,
+        mut snapshot: impl FnMut(usize, &mut [T]),
         instants: usize,
         wanted: usize,
-        factor: &mut [[T; K]; K],
+        factor: &mut [[T; PAPER_MODES]; PAPER_MODES],
     ) -> Option<Learning<T>> {
-        let rank = field.rank();
         let columns = rank - 1;
         let factor = part_mut(factor, 0..columns);
         match learning {
@@ -55,9 +56,9 @@ impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
                 if instant == 0 {
                     factor.as_flattened_mut().fill(T::ZERO);
                 }
-                let mut snapshot = [T::ZERO; K];
-                field.at_instant(instant, part_mut(&mut snapshot, 0..rank));
-                absorb(factor, part_mut(&mut snapshot, 1..rank));
+                let mut coefficients = [T::ZERO; PAPER_MODES];
+                snapshot(instant, part_mut(&mut coefficients, 0..rank));
+                absorb(factor, part_mut(&mut coefficients, 1..rank));
                 Some(if instant + 1 < instants {
                     Learning::Snapshot(instant + 1)
                 } else {
@@ -75,15 +76,15 @@ impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
     }
 
     /// Takes the longest rows of the factor.
-    fn choose(&mut self, factor: &[[T; K]], columns: usize, wanted: usize) {
-        let mut lengths = [T::ZERO; K];
+    fn choose(&mut self, factor: &[[T; PAPER_MODES]], columns: usize, wanted: usize) {
+        let mut lengths = [T::ZERO; PAPER_MODES];
         for (length, row) in lengths.iter_mut().zip(factor) {
             let row = part(row, 0..columns);
             *length = dot(row, row).sqrt();
         }
         let largest = lengths.iter().copied().fold(T::ZERO, T::max);
         let floor = largest * T::EPSILON * T::from_index(columns);
-        self.rows = [[T::ZERO; K]; M];
+        self.rows = [[T::ZERO; PAPER_MODES]; M];
         self.rows[0][0] = T::ONE;
         self.rank = 1;
         for out in self.rows.iter_mut().take(wanted).skip(1) {
@@ -108,7 +109,7 @@ impl<T: Real, const K: usize, const M: usize> Basis<T, K, M> {
     }
 
     /// The rows of W^T.
-    pub(crate) fn rows(&self) -> &[[T; K]] {
+    pub(crate) fn rows(&self) -> &[[T; PAPER_MODES]] {
         part(&self.rows, 0..self.rank)
     }
 

@@ -5,10 +5,11 @@
 //! parts as the learned manifold needs where it is.
 
 use crate::basis::{Basis, Learning};
-use crate::linalg::{dot, part, part_mut};
-use crate::manifold::Manifold;
+use crate::linalg::{dot, part_mut};
+use crate::manifold::{Manifold, Times};
 use crate::model::wire::Paper;
-use crate::motion::Motion;
+use crate::motion::{Controls, Motion, Quantity};
+use crate::workspace::{Factor, PAPER_MODES};
 use crate::{Real, Scheme};
 
 /// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1.
@@ -31,20 +32,42 @@ pub(crate) struct Step<T> {
     pub(crate) scheme: Scheme,
 }
 
+/// The interpolated motion that is learned from, with the settings.
+pub(crate) struct Source<'m, 'a, 's, T, const K: usize> {
+    pub(crate) motion: Motion<'a, 's, T, K>,
+    pub(crate) controls: &'m mut Controls<T, K>,
+    /// The stored instants.
+    pub(crate) times: Times<'a>,
+    pub(crate) settings: &'m Paper,
+}
+
+impl<T: Real, const K: usize> Source<'_, '_, '_, T, K> {
+    /// The leading coefficients that the method works in: as many, and one of them the translation's.
+    fn rank(&self) -> usize {
+        self.motion.rank.min(PAPER_MODES)
+    }
+
+    /// out <- coefficients at a stored instant, as many as it holds.
+    fn at_instant(&mut self, instant: usize, quantity: Quantity, out: &mut [T]) {
+        let t = self.times.get(instant);
+        self.motion.coefficients(self.controls, t, quantity, out);
+    }
+}
+
 /// The local reduced model of a query and its state after a whole number of steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Dynamics<T, const K: usize, const M: usize> {
+pub(crate) struct Dynamics<T, const M: usize> {
     stage: Stage<T>,
-    displacement: Basis<T, K, M>,
-    velocity: Basis<T, K, M>,
-    /// Q = W_u^T (Phi_u^T Phi_v) W_v, row by row.
+    displacement: Basis<T, M>,
+    velocity: Basis<T, M>,
+    /// Q = W_u^T W_v, row by row: the global modes of both fields are the same.
     q: [[T; M]; M],
     manifold: Manifold<T, M>,
     steps: usize,
     alpha: [T; M],
 }
 
-impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
+impl<T: Real, const M: usize> Dynamics<T, M> {
     pub(crate) const EMPTY: Self = Self {
         stage: Stage::Displacement(Learning::START),
         displacement: Basis::EMPTY,
@@ -61,73 +84,71 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
     }
 
     /// out <- displacement coefficients at `t`, by steps of `step` and a shorter last one.
-    pub(crate) fn displacement(
+    pub(crate) fn displacement<const K: usize>(
         &mut self,
-        motion: &Motion<'_, '_, T>,
-        settings: &Paper,
+        source: &mut Source<'_, '_, '_, T, K>,
         step: Step<T>,
         t: T,
-        scratch: &mut [[T; K]; K],
+        scratch: &mut Factor<T>,
         out: &mut [T],
     ) {
-        let alpha = self.state(motion, settings, step, t, scratch);
+        let alpha = self.state(source, step, t, scratch);
         self.displacement.lift(&alpha, out);
     }
 
     /// out <- velocity coefficients at `t`.
-    pub(crate) fn velocity(
+    pub(crate) fn velocity<const K: usize>(
         &mut self,
-        motion: &Motion<'_, '_, T>,
-        settings: &Paper,
+        source: &mut Source<'_, '_, '_, T, K>,
         step: Step<T>,
         t: T,
-        scratch: &mut [[T; K]; K],
+        scratch: &mut Factor<T>,
         out: &mut [T],
     ) {
-        let alpha = self.state(motion, settings, step, t, scratch);
-        let xi = self.equilibrium(motion, settings, t, T::ZERO, &alpha);
+        let alpha = self.state(source, step, t, scratch);
+        let xi = self.equilibrium(source, t, T::ZERO, &alpha);
         self.velocity.lift(&xi, out);
     }
 
     /// Steps to the last whole step before `t` and returns alpha at `t`.
-    fn state(
+    fn state<const K: usize>(
         &mut self,
-        motion: &Motion<'_, '_, T>,
-        settings: &Paper,
+        source: &mut Source<'_, '_, '_, T, K>,
         step: Step<T>,
         t: T,
-        scratch: &mut [[T; K]; K],
+        scratch: &mut Factor<T>,
     ) -> [T; M] {
-        while !self.advance(motion, settings, step, t, scratch) {}
+        while !self.advance(source, step, t, scratch) {}
         let start = T::from_index(self.steps) * step.length;
-        self.march(motion, settings, step.scheme, start, t - start)
+        self.march(source, step.scheme, start, t - start)
     }
 
     /// Does one piece of the work that leads to the last whole step before `t`; returns whether nothing is left to do.
     /// Starts again where `t` lies before the state.
-    pub(crate) fn advance(
+    pub(crate) fn advance<const K: usize>(
         &mut self,
-        motion: &Motion<'_, '_, T>,
-        settings: &Paper,
+        source: &mut Source<'_, '_, '_, T, K>,
         step: Step<T>,
         t: T,
-        scratch: &mut [[T; K]; K],
+        scratch: &mut Factor<T>,
     ) -> bool {
-        let instants = motion.times.count();
+        let (instants, rank) = (source.times.count(), source.rank());
         match self.stage {
             Stage::Displacement(learning) => {
-                let (field, rank) = (&motion.displacement, settings.displacement_rank.into());
-                self.stage = match self.displacement.learn(learning, field, instants, rank, scratch) {
+                let wanted = source.settings.displacement_rank.into();
+                let fetch = |instant, out: &mut [T]| source.at_instant(instant, Quantity::Displacement, out);
+                self.stage = match self.displacement.learn(learning, rank, fetch, instants, wanted, scratch) {
                     Some(learning) => Stage::Displacement(learning),
                     None => Stage::Velocity(Learning::START),
                 };
             }
             Stage::Velocity(learning) => {
-                let (field, rank) = (&motion.velocity, settings.velocity_rank.into());
-                self.stage = match self.velocity.learn(learning, field, instants, rank, scratch) {
+                let wanted = source.settings.velocity_rank.into();
+                let fetch = |instant, out: &mut [T]| source.at_instant(instant, Quantity::Velocity, out);
+                self.stage = match self.velocity.learn(learning, rank, fetch, instants, wanted, scratch) {
                     Some(learning) => Stage::Velocity(learning),
                     None => {
-                        self.couple(motion);
+                        self.couple(source);
                         Stage::Steps
                     }
                 };
@@ -135,13 +156,13 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
             Stage::Steps => {
                 let target = (t / step.length).to_index();
                 if target < self.steps {
-                    self.start(motion);
+                    self.start(source);
                 }
                 if target == self.steps {
                     return true;
                 }
                 let start = T::from_index(self.steps) * step.length;
-                self.alpha = self.march(motion, settings, step.scheme, start, step.length);
+                self.alpha = self.march(source, step.scheme, start, step.length);
                 self.steps += 1;
             }
         }
@@ -150,13 +171,18 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
 
     /// alpha after a time from the state at `start`, in as many parts as stability needs (eq. 48), each by the
     /// scheme.
-    fn march(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, scheme: Scheme, start: T, length: T) -> [T; M] {
-        let (u, v, window) = (&self.displacement, &self.velocity, T::from_f64(settings.window));
-        let stiffness = self
-            .manifold
-            .stiffness(&motion.times, window, start, |instant, alpha, xi| {
-                snapshot(motion, u, v, instant, alpha, xi);
-            });
+    fn march<const K: usize>(
+        &mut self,
+        source: &mut Source<'_, '_, '_, T, K>,
+        scheme: Scheme,
+        start: T,
+        length: T,
+    ) -> [T; M] {
+        let (u, v, window) = (&self.displacement, &self.velocity, T::from_f64(source.settings.window));
+        let times = source.times;
+        let stiffness = self.manifold.stiffness(&times, window, start, |instant, alpha, xi| {
+            snapshot(source, u, v, instant, alpha, xi);
+        });
         let parts = (stiffness * length / T::from_f64(STABLE))
             .to_index()
             .clamp(0, MOST_PARTS - 1)
@@ -169,7 +195,7 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
             for (place, weight) in scheme.stages() {
                 let [ahead, weight] = [*place, *weight].map(|share| T::from_f64(share) * part);
                 let stage = core::array::from_fn(|k| from[k] + ahead * rate[k]);
-                let xi = self.equilibrium(motion, settings, t + ahead, part, &stage);
+                let xi = self.equilibrium(source, t + ahead, part, &stage);
                 rate = core::array::from_fn(|k| dot(&self.q[k], &xi));
                 alpha = core::array::from_fn(|k| alpha[k] + weight * rate[k]);
             }
@@ -178,26 +204,23 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
     }
 
     /// Q of the query; the state at t = 0.
-    fn couple(&mut self, motion: &Motion<'_, '_, T>) {
-        let (u, v) = (&motion.displacement, &motion.velocity);
+    fn couple<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>) {
         self.q = [[T::ZERO; M]; M];
-        let mut rate = [T::ZERO; K];
-        for (j, mode) in self.velocity.rows().iter().enumerate().take(M) {
-            motion.rate(part(mode, 0..v.rank()), part_mut(&mut rate, 0..u.rank()));
-            for (q, row) in self.q.iter_mut().zip(self.displacement.rows()) {
-                q[j] = dot(row, &rate);
+        for (q, u) in self.q.iter_mut().zip(self.displacement.rows()) {
+            for (q, v) in q.iter_mut().zip(self.velocity.rows()) {
+                *q = dot(u, v);
             }
         }
         self.manifold.forget();
-        self.start(motion);
+        self.start(source);
     }
 
     /// The state at t = 0: alpha^D(0), which holds the initial shape.
-    fn start(&mut self, motion: &Motion<'_, '_, T>) {
+    fn start<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>) {
         let (u, v) = (&self.displacement, &self.velocity);
         self.steps = 0;
         self.alpha = [T::ZERO; M];
-        snapshot(motion, u, v, 0, &mut self.alpha, &mut [T::ZERO; M]);
+        snapshot(source, u, v, 0, &mut self.alpha, &mut [T::ZERO; M]);
     }
 
     /// xi = M(alpha, t) (eq. 49), for an Euler step of a length from there.
@@ -206,13 +229,19 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
     /// amplifies whatever deviates from them, without bound. So the response to the deviation of the state from
     /// the learned trajectory counts only as far as the step does not enlarge the deviation: then what a step errs is
     /// added to the errors before it, and never multiplied.
-    fn equilibrium(&mut self, motion: &Motion<'_, '_, T>, settings: &Paper, t: T, step: T, alpha: &[T; M]) -> [T; M] {
+    fn equilibrium<const K: usize>(
+        &mut self,
+        source: &mut Source<'_, '_, '_, T, K>,
+        t: T,
+        step: T,
+        alpha: &[T; M],
+    ) -> [T; M] {
         let (u, v) = (&self.displacement, &self.velocity);
-        let (times, window) = (&motion.times, T::from_f64(settings.window));
-        let fetch = |instant, alpha: &mut _, xi: &mut _| snapshot(motion, u, v, instant, alpha, xi);
-        let learned = self.manifold.trajectory(times, t, &self.q, fetch);
-        let along = self.manifold.velocity(times, window, t, &learned, fetch);
-        let here = self.manifold.velocity(times, window, t, alpha, fetch);
+        let (times, window) = (source.times, T::from_f64(source.settings.window));
+        let mut fetch = |instant, alpha: &mut _, xi: &mut _| snapshot(source, u, v, instant, alpha, xi);
+        let learned = self.manifold.trajectory(&times, t, &self.q, &mut fetch);
+        let along = self.manifold.velocity(&times, window, t, &learned, &mut fetch);
+        let here = self.manifold.velocity(&times, window, t, alpha, &mut fetch);
         let deviation: [T; M] = core::array::from_fn(|k| alpha[k] - learned[k]);
         let response: [T; M] = core::array::from_fn(|k| here[k] - along[k]);
         let rate: [T; M] = core::array::from_fn(|k| dot(&self.q[k], &response));
@@ -231,20 +260,21 @@ impl<T: Real, const K: usize, const M: usize> Dynamics<T, K, M> {
 
 /// alpha^D and xi^D at a stored instant: the pseudo-snapshots in local coordinates.
 fn snapshot<T: Real, const K: usize, const M: usize>(
-    motion: &Motion<'_, '_, T>,
-    displacement: &Basis<T, K, M>,
-    velocity: &Basis<T, K, M>,
+    source: &mut Source<'_, '_, '_, T, K>,
+    displacement: &Basis<T, M>,
+    velocity: &Basis<T, M>,
     instant: usize,
     alpha: &mut [T; M],
     xi: &mut [T; M],
 ) {
-    let mut global = [T::ZERO; K];
-    for (field, basis, out) in [
-        (&motion.displacement, displacement, alpha),
-        (&motion.velocity, velocity, xi),
+    let rank = source.rank();
+    let mut global = [T::ZERO; PAPER_MODES];
+    let global = part_mut(&mut global, 0..rank);
+    for (quantity, basis, out) in [
+        (Quantity::Displacement, displacement, alpha),
+        (Quantity::Velocity, velocity, xi),
     ] {
-        let global = part_mut(&mut global, 0..field.rank());
-        field.at_instant(instant, global);
+        source.at_instant(instant, quantity, global);
         basis.project(global, out);
     }
 }

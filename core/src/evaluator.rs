@@ -1,6 +1,6 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
-use crate::dynamics::Step;
+use crate::dynamics::{Dynamics, Source, Step};
 use crate::error::{EvaluateError, Name};
 use crate::expected_error::{bound_factor, expected_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
@@ -8,16 +8,20 @@ use crate::linalg::{part, part_mut};
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
 use crate::model::{MatrixView, Model};
-use crate::motion::Motion;
+use crate::manifold::Times;
+use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables, axial_radial};
 use crate::reconstruct::{Snapshot, room};
 use crate::surface::volume;
-use crate::workspace::{Coefficients, Prepared, Workspace};
+use crate::workspace::{Coefficients, Factor, Prepared, Workspace};
 use crate::{Domain, Frame, Method, Parameters, Query, Real, Scene};
+
+/// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
+const NEGLIGIBLE: f32 = 1e-6;
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
 #[derive(Debug)]
-pub struct Evaluator<'a, T, const K: usize = 64, const M: usize = 16, const N: usize = 32> {
+pub struct Evaluator<'a, T, const K: usize = 96, const M: usize = 16, const N: usize = 32> {
     model: &'a Model<'a>,
     workspace: &'a mut Workspace<T, K, M, N>,
 }
@@ -30,17 +34,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
     pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N>) -> Result<Self, EvaluateError> {
         let contents = model.contents();
         for cluster in &contents.clusters {
-            for (field, modes, parameter_modes) in [
-                (
-                    &cluster.displacement,
-                    "displacement modes",
-                    "displacement parameter modes",
-                ),
-                (&cluster.velocity, "velocity modes", "velocity parameter modes"),
-            ] {
-                fits(modes, field.modes.columns as usize + 1, K)?;
-                fits(parameter_modes, field.parameter_modes.columns as usize, K)?;
-            }
+            let field = &cluster.field;
+            fits("modes", field.modes.columns as usize + 1, K)?;
+            fits("parameter modes", field.parameter_modes.columns as usize, K)?;
+            fits("axial modes", field.axial_modes.columns as usize, AXIAL_MODES)?;
         }
         fits("neighbours of the kernel", contents.kernel.neighbours.into(), N)?;
         fits(
@@ -89,12 +86,11 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         if domain == Domain::Inside && contents.steady_limit.rows == 0 {
             domain = reach(cluster, query, &workspace.weights)?;
         }
-        for (field, psi) in [&cluster.displacement, &cluster.velocity]
-            .into_iter()
-            .zip(&mut workspace.psi)
-        {
-            let modes = MatrixView::new(&field.parameter_modes);
-            workspace.weights.combine(&modes, part_mut(psi, 0..modes.columns()));
+        let field = &cluster.field;
+        let Contracted { psi, axial } = &mut workspace.contracted;
+        for (modes, out) in [(&field.parameter_modes, &mut psi[..]), (&field.axial_modes, &mut axial[..])] {
+            let modes = MatrixView::new(modes);
+            modes.combine(workspace.weights.iter(), part_mut(out, 0..modes.columns()));
         }
         workspace.prepared = Some(Prepared {
             digest,
@@ -214,14 +210,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// done: for callers who must not be kept. A piece is a snapshot or a row of a local basis, or a step in time of
     /// [`Method::Paper`]; [`Method::Direct`] has no such work. Another instant may be asked for in between.
     pub fn advance(&mut self, pieces: usize) -> bool {
-        let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
-        let Workspace {
-            psi, dynamics, scratch, ..
-        } = &mut *self.workspace;
-        let motion = Motion::new(self.model, self.cluster, psi);
+        let (t, step) = (self.t, self.step());
         match self.query.method {
             Method::Direct => true,
-            Method::Paper => (0..pieces).any(|_| dynamics.advance(&motion, paper, step, t, scratch)),
+            Method::Paper => {
+                let (mut source, dynamics, scratch) = self.learned();
+                (0..pieces).any(|_| dynamics.advance(&mut source, step, t, scratch))
+            }
         }
     }
 
@@ -235,8 +230,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     pub fn centroid_velocity(&mut self) -> T {
         let coefficient = match self.query.method {
             Method::Direct if self.workspace.velocity.t != Some(self.t) => {
-                let Workspace { psi, interval, .. } = &mut *self.workspace;
-                interval.translation_rate(&Motion::new(self.model, self.cluster, psi), self.t)
+                let Workspace {
+                    contracted, controls, ..
+                } = &mut *self.workspace;
+                Motion::new(&self.cluster.field, contracted).translation_rate(controls, self.t)
             }
             _ => {
                 self.velocity();
@@ -292,17 +289,15 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// As [`positions`](Self::positions).
     pub fn velocities(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         self.velocity();
-        let coefficients = &self.workspace.velocity.values;
-        let modes = MatrixView::new(&self.cluster.velocity.modes);
+        let Coefficients { values, count, .. } = &self.workspace.velocity;
         let translation = match scene.frame {
-            Frame::Laboratory => coefficients[0] / self.root_of_nodes(),
+            Frame::Laboratory => values[0] / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
-        let coefficients = part(coefficients, 1..modes.columns() + 1);
         let field = Snapshot {
             mesh: self.model.mesh(),
-            modes,
-            coefficients,
+            modes: MatrixView::new(&self.cluster.field.modes),
+            coefficients: part(values, 1..*count),
             scale: T::ZERO,
             translation,
         };
@@ -387,66 +382,87 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
 
     /// Brings the displacement's coefficients to this instant.
     fn displacement(&mut self) {
-        if self.workspace.displacement.t == Some(self.t) {
-            return;
-        }
-        let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
-        let cluster = self.cluster;
-        let Workspace {
-            displacement: Coefficients { t: computed, values },
-            psi,
-            interval,
-            dynamics,
-            scratch,
-            ..
-        } = &mut *self.workspace;
-        *computed = Some(t);
-        let motion = Motion::new(self.model, cluster, psi);
-        let out = part_mut(values, 0..motion.displacement.rank());
-        match self.query.method {
-            Method::Direct => interval.displacement(&motion, t, out),
-            Method::Paper => dynamics.displacement(&motion, paper, step, t, scratch, out),
+        if self.workspace.displacement.t != Some(self.t) {
+            self.coefficients(Quantity::Displacement);
         }
     }
 
     /// Brings the velocity's coefficients to this instant.
     fn velocity(&mut self) {
-        if self.workspace.velocity.t == Some(self.t) {
-            return;
+        if self.workspace.velocity.t != Some(self.t) {
+            self.coefficients(Quantity::Velocity);
         }
-        let (t, step, paper) = (self.t, self.step(), &self.model.contents().paper);
-        let cluster = self.cluster;
+    }
+
+    /// Computes the coefficients of a field.
+    fn coefficients(&mut self, quantity: Quantity) {
+        let (t, step) = (self.t, self.step());
+        let modes = MatrixView::new(&self.cluster.field.modes);
+        let mut values = [T::ZERO; K];
+        let out = part_mut(&mut values, 0..modes.columns() + 1);
+        match self.query.method {
+            Method::Direct => {
+                let Workspace {
+                    contracted, controls, ..
+                } = &mut *self.workspace;
+                Motion::new(&self.cluster.field, contracted).coefficients(controls, t, quantity, out);
+            }
+            Method::Paper => {
+                let (mut source, dynamics, scratch) = self.learned();
+                match quantity {
+                    Quantity::Displacement => dynamics.displacement(&mut source, step, t, scratch, out),
+                    Quantity::Velocity => dynamics.velocity(&mut source, step, t, scratch, out),
+                }
+            }
+        }
+        let shape = part_mut(&mut values, 1..modes.columns() + 1);
+        let negligible = match quantity {
+            Quantity::Displacement => T::from_f32(NEGLIGIBLE) * self.model.radius(self.query.parameters),
+            Quantity::Velocity => T::ZERO,
+        };
+        let count = 1 + leading(shape, negligible * self.root_of_nodes());
+        modes.scale(shape);
+        let computed = Coefficients {
+            t: Some(t),
+            values,
+            count,
+        };
+        match quantity {
+            Quantity::Displacement => self.workspace.displacement = computed,
+            Quantity::Velocity => self.workspace.velocity = computed,
+        }
+    }
+
+    /// What the paper's method works with.
+    fn learned(&mut self) -> (Source<'_, 'a, '_, T, K>, &mut Dynamics<T, M>, &mut Factor<T>) {
         let Workspace {
-            velocity: Coefficients { t: computed, values },
-            psi,
-            interval,
+            contracted,
+            controls,
             dynamics,
             scratch,
             ..
         } = &mut *self.workspace;
-        *computed = Some(t);
-        let motion = Motion::new(self.model, cluster, psi);
-        let out = part_mut(values, 0..motion.velocity.rank());
-        match self.query.method {
-            Method::Direct => interval.velocity(&motion, t, out),
-            Method::Paper => dynamics.velocity(&motion, paper, step, t, scratch, out),
-        }
+        let source = Source {
+            motion: Motion::new(&self.cluster.field, contracted),
+            controls,
+            times: Times(self.model.times()),
+            settings: &self.model.contents().paper,
+        };
+        (source, dynamics, scratch)
     }
 
     /// The surface at this instant.
     fn shape(&mut self, frame: Frame) -> Snapshot<'a, '_, T> {
         self.displacement();
-        let modes = MatrixView::new(&self.cluster.displacement.modes);
-        let coefficients = &self.workspace.displacement.values;
+        let Coefficients { values, count, .. } = &self.workspace.displacement;
         let translation = match frame {
-            Frame::Laboratory => coefficients[0] / self.root_of_nodes(),
+            Frame::Laboratory => values[0] / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
-        let coefficients = part(coefficients, 1..modes.columns() + 1);
         Snapshot {
             mesh: self.model.mesh(),
-            modes,
-            coefficients,
+            modes: MatrixView::new(&self.cluster.field.modes),
+            coefficients: part(values, 1..*count),
             scale: self.model.scale(&self.query.parameters),
             translation,
         }

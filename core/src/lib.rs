@@ -25,7 +25,6 @@
 #![forbid(unsafe_code)]
 
 mod basis;
-mod direct;
 mod dynamics;
 pub mod error;
 mod evaluator;
@@ -42,6 +41,7 @@ mod real;
 mod reconstruct;
 mod scene;
 mod section;
+mod spline;
 mod surface;
 mod workspace;
 

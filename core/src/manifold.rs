@@ -10,7 +10,7 @@
 use crate::Real;
 use crate::interpolate::weight;
 use crate::linalg::{cholesky, dot};
-use crate::motion::Times;
+use crate::model::MatrixView;
 
 /// The most snapshots that a window holds.
 const MOST: usize = 8;
@@ -19,6 +19,32 @@ const MOST: usize = 8;
 const RIDGE: f32 = 1e-4;
 /// Least spread of the shape that counts as motion, as a share of the shape's displacement.
 const REST: f32 = 1e-2;
+
+/// The stored instants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Times<'a>(pub(crate) MatrixView<'a>);
+
+impl Times<'_> {
+    /// Number of instants.
+    pub(crate) fn count(&self) -> usize {
+        self.0.rows()
+    }
+
+    /// Instant `i`.
+    pub(crate) fn get<T: Real>(&self, i: usize) -> T {
+        T::from_f32(self.0.get(i, 0))
+    }
+
+    /// The interval [t_i, t_i+1] that holds t, by halving; the first or last one outside.
+    pub(crate) fn interval<T: Real>(&self, t: T) -> usize {
+        let (mut low, mut high) = (0, self.count() - 1);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            *(if t < self.get(middle) { &mut high } else { &mut low }) = middle;
+        }
+        low
+    }
+}
 
 /// Snapshots in local coordinates around an instant, kept as the instant moves on.
 #[derive(Clone, Debug)]

@@ -1,109 +1,176 @@
-//! One query's view of the model: the double POD of both fields with the parameters already contracted.
+//! One query's motion: the double POD with the parameters already contracted, at any instant.
+//!
+//! The core's slices times psi (eqs. 23 and 24) are the controls of cubic splines in time. Four of them make an instant, and
+//! they are kept, so that an instant beside it costs four multiplications a coefficient.
 
 use crate::Real;
-use crate::linalg::part;
-use crate::model::wire::{self, Cluster};
-use crate::model::{MatrixView, Model};
+use crate::linalg::{dot, part, part_mut};
+use crate::model::wire::Field;
+use crate::model::{Indices, MatrixView};
+use crate::spline::{ORDER, Splines};
 
-/// What both methods work on: the interpolated coefficients of displacement and velocity at the stored instants.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion<'a, 's, T> {
-    pub(crate) times: Times<'a>,
-    pub(crate) displacement: Field<'a, 's, T>,
-    pub(crate) velocity: Field<'a, 's, T>,
-    cross_product: MatrixView<'a>,
+/// The most modes in which the translation's parameters are kept.
+pub(crate) const AXIAL_MODES: usize = 16;
+
+/// What the samples' modes become for a query.
+#[derive(Clone, Debug)]
+pub(crate) struct Contracted<T, const K: usize> {
+    /// psi = Psi^T L, in the units of the core's columns.
+    pub(crate) psi: [T; K],
+    pub(crate) axial: [T; AXIAL_MODES],
 }
 
-impl<'a, 's, T: Real> Motion<'a, 's, T> {
-    /// `psi` holds psi_u and psi_v of eqs. (23) and (24).
-    pub(crate) fn new<const K: usize>(model: &Model<'a>, cluster: &Cluster<'a>, psi: &'s [[T; K]; 2]) -> Self {
+/// The controls that were computed last: number b lies at b mod 4.
+#[derive(Clone, Debug)]
+pub(crate) struct Controls<T, const K: usize> {
+    numbers: [Option<usize>; ORDER],
+    rows: [[T; K]; ORDER],
+}
+
+/// What is asked of the coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    Displacement,
+    /// The velocity's coefficients are the rates of the displacement's.
+    Velocity,
+}
+
+/// The interpolated motion, which both methods work on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion<'a, 's, T, const K: usize> {
+    /// K: the translation and one coefficient a mode.
+    pub(crate) rank: usize,
+    knots: MatrixView<'a>,
+    slices: Indices<'a>,
+    coarse: MatrixView<'a>,
+    fine: MatrixView<'a>,
+    axial_controls: MatrixView<'a>,
+    contracted: &'s Contracted<T, K>,
+}
+
+impl<T: Real, const K: usize> Contracted<T, K> {
+    pub(crate) const EMPTY: Self = Self {
+        psi: [T::ZERO; K],
+        axial: [T::ZERO; AXIAL_MODES],
+    };
+}
+
+impl<T: Real, const K: usize> Controls<T, K> {
+    pub(crate) const EMPTY: Self = Self {
+        numbers: [None; ORDER],
+        rows: [[T::ZERO; K]; ORDER],
+    };
+
+    /// Forgets the query.
+    pub(crate) fn forget(&mut self) {
+        self.numbers = [None; ORDER];
+    }
+}
+
+impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
+    pub(crate) fn new(field: &Field<'a>, contracted: &'s Contracted<T, K>) -> Self {
         Self {
-            times: Times(model.times()),
-            displacement: Field::new(&cluster.displacement, &psi[0]),
-            velocity: Field::new(&cluster.velocity, &psi[1]),
-            cross_product: MatrixView::new(&cluster.cross_product),
+            rank: field.modes.columns as usize + 1,
+            knots: MatrixView::new(&field.knots),
+            slices: Indices::new(&field.slices),
+            coarse: MatrixView::new(&field.coarse),
+            fine: MatrixView::new(&field.fine),
+            axial_controls: MatrixView::new(&field.axial_controls),
+            contracted,
         }
     }
 
-    /// out <- Phi_u^T Phi_v xi: the displacement's rate from the velocity's coefficients.
-    pub(crate) fn rate(&self, xi: &[T], out: &mut [T]) {
-        self.cross_product.multiply(0, xi, out);
+    /// out <- the leading coefficients at `t` of a quantity, as many as `out` holds.
+    pub(crate) fn coefficients(&self, controls: &mut Controls<T, K>, t: T, quantity: Quantity, out: &mut [T]) {
+        let (splines, [a, b, c, d]) = self.enter(controls, t);
+        let [p, q, r, s] = match quantity {
+            Quantity::Displacement => splines.values,
+            Quantity::Velocity => splines.rates,
+        };
+        for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *out = (p * *a + q * *b) + (r * *c + s * *d);
+        }
     }
 
-    /// out <- out + Phi_v^T Phi_u rate: the velocity's coefficients of a displacement's rate.
-    pub(crate) fn add_velocity(&self, rate: &[T], out: &mut [T]) {
-        for (k, rate) in rate.iter().enumerate() {
-            self.cross_product.add_row(k, *rate, out);
+    /// The translation's coefficient of the velocity alone.
+    pub(crate) fn translation_rate(&self, controls: &mut Controls<T, K>, t: T) -> T {
+        let mut rate = [T::ZERO];
+        self.coefficients(controls, t, Quantity::Velocity, &mut rate);
+        let [rate] = rate;
+        rate
+    }
+
+    /// Computes the controls of an instant that are not there yet.
+    fn enter<'c>(&self, controls: &'c mut Controls<T, K>, t: T) -> (Splines<T>, [&'c [T; K]; ORDER]) {
+        let splines = Splines::at(&self.knots, t);
+        let numbers = controls.numbers.iter_mut().zip(&mut controls.rows).enumerate();
+        let turn = splines.first % ORDER;
+        for (place, (number, row)) in numbers {
+            // The only one of four successive numbers that lies here.
+            let wanted = splines.first + (place + ORDER - turn) % ORDER;
+            if *number != Some(wanted) {
+                self.control(wanted, row);
+                *number = Some(wanted);
+            }
         }
+        let [a, b, c, d] = &controls.rows;
+        let ordered = match turn {
+            0 => [a, b, c, d],
+            1 => [b, c, d, a],
+            2 => [c, d, a, b],
+            _ => [d, a, b, c],
+        };
+        (splines, ordered)
+    }
+
+    /// out <- control number `b`: slice b times psi, and the translation's.
+    fn control(&self, b: usize, out: &mut [T; K]) {
+        let [coarse, coarse_end, fine, fine_end] =
+            [2 * b, 2 * b + 2, 2 * b + 1, 2 * b + 3].map(|i| self.slices.get(i).unwrap_or_default());
+        let Contracted { psi, axial } = self.contracted;
+        let psi = part(psi, 0..self.coarse.columns());
+        out.fill(T::ZERO);
+        let Some((translation, shape)) = out.split_first_mut() else {
+            return;
+        };
+        *translation = self.axial_controls.dot(b, part(axial, 0..self.axial_controls.columns()));
+        let middle = coarse_end.saturating_sub(coarse);
+        self.coarse.multiply(coarse, psi, part_mut(shape, 0..middle));
+        let end = middle + fine_end.saturating_sub(fine);
+        self.fine.multiply(fine, psi, part_mut(shape, middle..end));
     }
 }
 
-/// A field of a cluster at the query's parameters: coefficients(t_i) = A(t_i) psi.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Field<'a, 's, T> {
-    pub(crate) modes: MatrixView<'a>,
-    translation: MatrixView<'a>,
-    coefficients: MatrixView<'a>,
-    psi: &'s [T],
+/// How many of the leading coefficients leave no more than a length of the others: the modes are orthonormal, so what is
+/// left out moves the nodes by that length divided by sqrt(N_x), root mean square. A multiple of eight, if there are as many.
+pub(crate) fn leading<T: Real>(coefficients: &[T], length: T) -> usize {
+    const STEP: usize = 8;
+    let mut budget = length * length;
+    let mut count = coefficients.len();
+    while count > STEP {
+        let shorter = (count - 1) / STEP * STEP;
+        let last = part(coefficients, shorter..count);
+        budget = budget - dot(last, last);
+        // Not a number counts as too much.
+        if !(budget >= T::ZERO) {
+            break;
+        }
+        count = shorter;
+    }
+    count
 }
 
-impl<'a, 's, T: Real> Field<'a, 's, T> {
-    /// `psi` holds at least K_c entries.
-    pub(crate) fn new(field: &wire::Field<'a>, psi: &'s [T]) -> Self {
-        let coefficients = MatrixView::new(&field.coefficients);
-        let psi = part(psi, 0..coefficients.columns());
-        Self {
-            modes: MatrixView::new(&field.modes),
-            translation: MatrixView::new(&field.translation),
-            coefficients,
-            psi,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_out_is_shorter_than_allowed() {
+        let coefficients: [f64; 21] = core::array::from_fn(|k| 0.5_f64.powi(k as i32));
+        let rest = |from: usize| coefficients[from..].iter().map(|c| c * c).sum::<f64>().sqrt();
+        for (length, expected) in [(0.0, 21), (1.01 * rest(16), 16), (0.99 * rest(16), 21), (1.01 * rest(8), 8), (9.0, 8)] {
+            assert_eq!(leading(&coefficients, length), expected);
         }
-    }
-
-    /// K, the number of coefficients: the translation and one a mode.
-    pub(crate) fn rank(&self) -> usize {
-        self.modes.columns() + 1
-    }
-
-    /// Coefficient `k` at the stored instant `i`.
-    pub(crate) fn coefficient(&self, i: usize, k: usize) -> T {
-        match k.checked_sub(1) {
-            None => self.translation.dot(i, self.psi),
-            Some(mode) => self.coefficients.dot(i * self.modes.columns() + mode, self.psi),
-        }
-    }
-
-    /// All coefficients at the stored instant `i` (eqs. 21 to 24), as many as `out` holds.
-    pub(crate) fn at_instant(&self, i: usize, out: &mut [T]) {
-        if let Some((translation, shape)) = out.split_first_mut() {
-            *translation = self.translation.dot(i, self.psi);
-            self.coefficients.multiply(i * self.modes.columns(), self.psi, shape);
-        }
-    }
-}
-
-/// The stored instants.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Times<'a>(pub(crate) MatrixView<'a>);
-
-impl Times<'_> {
-    /// Number of instants.
-    pub(crate) fn count(&self) -> usize {
-        self.0.rows()
-    }
-
-    /// Instant `i`.
-    pub(crate) fn get<T: Real>(&self, i: usize) -> T {
-        T::from_f32(self.0.get(i, 0))
-    }
-
-    /// The interval [t_i, t_i+1] that holds t, by halving; the first or last one outside.
-    pub(crate) fn interval<T: Real>(&self, t: T) -> usize {
-        let (mut low, mut high) = (0, self.count() - 1);
-        while high - low > 1 {
-            let middle = (low + high) / 2;
-            *(if t < self.get(middle) { &mut high } else { &mut low }) = middle;
-        }
-        low
+        assert_eq!(leading(&[f64::NAN; 9], 1.0), 9);
     }
 }

@@ -9,7 +9,7 @@ use crate::{Nodes, Real};
 pub(crate) struct Snapshot<'a, 's, T> {
     pub(crate) mesh: Mesh<'a>,
     pub(crate) modes: MatrixView<'a>,
-    /// Coefficients of the shape modes.
+    /// Coefficients of the leading shape modes, in the units of their columns.
     pub(crate) coefficients: &'s [T],
     /// Factor of the reference nodes: a/l for positions, 0 for velocities.
     pub(crate) scale: T,

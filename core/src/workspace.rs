@@ -1,28 +1,33 @@
 //! All storage of a computation, owned by the caller.
 
-use crate::direct::Interval;
 use crate::dynamics::Dynamics;
 use crate::interpolate::Weights;
+use crate::motion::{Contracted, Controls};
 use crate::{Domain, Query, Real};
 
 /// Storage for one query at a time; const-constructible, so that it can be a `static`. It keeps what was computed, so
 /// that nothing is computed twice as long as the query stays.
 ///
-/// Capacities: `K` modes (K_u, K_v, K_uc, K_vc), `M` local modes (m_u, m_v), `N` samples that take part in a query,
-/// `N <= K`.
+/// Capacities: `K` modes (K, translation included, and K_c), `M` local modes (m_u, m_v), `N` samples that take part in a
+/// query, at most 64.
 #[derive(Clone, Debug)]
-pub struct Workspace<T, const K: usize = 64, const M: usize = 16, const N: usize = 32> {
+pub struct Workspace<T, const K: usize = 96, const M: usize = 16, const N: usize = 32> {
     pub(crate) prepared: Option<Prepared<T>>,
     /// Room for one matrix at a time: the kernel's, then the snapshots' factor of either field.
-    pub(crate) scratch: [[T; K]; K],
+    pub(crate) scratch: Factor<T>,
     pub(crate) weights: Weights<T, N>,
-    /// psi_u and psi_v (eqs. 23, 24).
-    pub(crate) psi: [[T; K]; 2],
+    pub(crate) contracted: Contracted<T, K>,
+    pub(crate) controls: Controls<T, K>,
     pub(crate) displacement: Coefficients<T, K>,
     pub(crate) velocity: Coefficients<T, K>,
-    pub(crate) interval: Interval<T, K>,
-    pub(crate) dynamics: Dynamics<T, K, M>,
+    pub(crate) dynamics: Dynamics<T, M>,
 }
+
+/// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error.
+pub(crate) const PAPER_MODES: usize = 64;
+
+/// The factor of the snapshots.
+pub(crate) type Factor<T> = [[T; PAPER_MODES]; PAPER_MODES];
 
 /// The query that the workspace answers, of the model with this digest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,32 +37,35 @@ pub(crate) struct Prepared<T> {
     pub(crate) domain: Domain,
 }
 
-/// Coefficients of a field in the global modes, and the instant that they belong to.
+/// Coefficients of a field in the units of the modes' columns, and the instant that they belong to.
 #[derive(Clone, Debug)]
 pub(crate) struct Coefficients<T, const K: usize> {
     pub(crate) t: Option<T>,
     pub(crate) values: [T; K],
+    /// How many of the leading ones count.
+    pub(crate) count: usize,
 }
 
 impl<T: Real, const K: usize> Coefficients<T, K> {
     const EMPTY: Self = Self {
         t: None,
         values: [T::ZERO; K],
+        count: 0,
     };
 }
 
 impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M, N> {
     /// An empty workspace.
     pub const fn new() -> Self {
-        const { assert!(N <= K, "the kernel's matrix must fit into the scratch") };
+        const { assert!(N <= PAPER_MODES, "the kernel's matrix must fit into the scratch") };
         Self {
             prepared: None,
-            scratch: [[T::ZERO; K]; K],
+            scratch: [[T::ZERO; PAPER_MODES]; PAPER_MODES],
             weights: Weights::EMPTY,
-            psi: [[T::ZERO; K]; 2],
+            contracted: Contracted::EMPTY,
+            controls: Controls::EMPTY,
             displacement: Coefficients::EMPTY,
             velocity: Coefficients::EMPTY,
-            interval: Interval::EMPTY,
             dynamics: Dynamics::EMPTY,
         }
     }
@@ -67,7 +75,7 @@ impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M,
         self.prepared = None;
         self.displacement.t = None;
         self.velocity.t = None;
-        self.interval.number = None;
+        self.controls.forget();
         self.dynamics.forget();
     }
 }

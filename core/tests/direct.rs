@@ -37,14 +37,15 @@ fn errors<T: Real>(family: &Family, t: f64) -> [f64; 2] {
 fn exact_at_stored_instants() {
     let family = Family::new(3);
     for t in [0.0, 1.0, 4.0] {
+        // The velocity is a difference of stored singles over a third of an interval: 30 times their rounding.
         let [position, velocity] = errors::<f64>(&family, t);
         assert!(
-            position < 2e-6 && velocity < 2e-6,
+            position < 2e-6 && velocity < 2e-5,
             "f64, t = {t}: {position:e}, {velocity:e}"
         );
         let [position, velocity] = errors::<f32>(&family, t);
         assert!(
-            position < 1e-5 && velocity < 1e-5,
+            position < 1e-5 && velocity < 1e-4,
             "f32, t = {t}: {position:e}, {velocity:e}"
         );
     }

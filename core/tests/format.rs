@@ -46,7 +46,7 @@ fn what_was_written_is_read_in_place() {
     same(&read.times.blob, &contents.times.blob);
     for (a, b) in read.clusters.iter().zip(&contents.clusters) {
         same(&a.samples.blob, &b.samples.blob);
-        same(&a.velocity.modes.blob, &b.velocity.modes.blob);
+        same(&a.field.fine.blob, &b.field.fine.blob);
         same(&a.paper_errors.deviation.blob, &b.paper_errors.deviation.blob);
     }
     assert_eq!(blobs, 9);
@@ -116,10 +116,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 4);
-    assert_eq!(newer, OpenError::Version { found: 4, supported: 3 });
+    let newer = open(&|file| file[4] = 5);
+    assert_eq!(newer, OpenError::Version { found: 5, supported: 4 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 3 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 4 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -172,12 +172,15 @@ fn wrong_dimensions_are_refused() {
         }
     };
     dimension("clusters")(refused(|c| c.clusters.clear()));
-    dimension("rows of the modes")(refused(|c| c.clusters[0].velocity.modes.rows += 1));
-    dimension("rows of the coefficients")(refused(|c| c.clusters[1].displacement.coefficients.rows -= 1));
-    dimension("columns of the parameter modes")(refused(|c| c.clusters[1].displacement.parameter_modes.columns += 1));
-    dimension("rows of the parameter modes")(refused(|c| c.clusters[1].displacement.parameter_modes.rows += 1));
-    dimension("rows of the cross product")(refused(|c| c.clusters[0].cross_product.rows = 2));
-    dimension("columns of the cross product")(refused(|c| c.clusters[0].cross_product.columns = 2));
+    dimension("rows of the modes")(refused(|c| c.clusters[0].field.modes.rows += 1));
+    dimension("rows of the parameter modes")(refused(|c| c.clusters[1].field.parameter_modes.rows += 1));
+    dimension("coarse rows of the core")(refused(|c| c.clusters[1].field.coarse.columns += 1));
+    dimension("fine rows of the core")(refused(|c| c.clusters[1].field.fine.columns -= 1));
+    dimension("columns of the knots")(refused(|c| c.clusters[0].field.knots.columns = 2));
+    dimension("knots")(refused(|c| c.clusters[0].field.knots = Matrix::f32(7, 1, &[0; 28])));
+    dimension("rows of the axial controls")(refused(|c| c.clusters[0].field.axial_controls.rows -= 1));
+    dimension("rows of the axial modes")(refused(|c| c.clusters[0].field.axial_modes.rows = 2));
+    dimension("columns of the axial modes")(refused(|c| c.clusters[0].field.axial_modes.columns = 2));
     dimension("rows of the leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.rows = 2));
     dimension("columns of the leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.columns = 1));
     dimension("rows of the deviations")(refused(|c| c.clusters[0].paper_errors.deviation.rows = 2));
@@ -189,7 +192,20 @@ fn wrong_dimensions_are_refused() {
     length(refused(|c| c.mesh.elements.data = &c.mesh.elements.data[2..]));
     length(refused(|c| c.mesh.sector_nodes.data = &c.mesh.sector_nodes.data[2..]));
     length(refused(|c| c.times.rows = u32::MAX));
-    length(refused(|c| c.clusters[0].displacement.modes.blob.data = &[0; 4]));
+    length(refused(|c| c.clusters[0].field.modes.blob.data = &[0; 4]));
+    length(refused(|c| c.clusters[0].field.slices.data = &[0; 4]));
+    let bounded = |error| assert!(matches!(error, OpenError::Index { what: "slices", .. }), "{error}");
+    // Beyond the rows; falling; more rows than modes.
+    let slices = |change: fn(&mut Vec<u8>)| {
+        bounded(refused(|c| {
+            let mut data = c.clusters[1].field.slices.data.to_vec();
+            change(&mut data);
+            c.clusters[1].field.slices.data = data.leak();
+        }));
+    };
+    slices(|data| data.iter_mut().for_each(|byte| *byte = 255));
+    slices(|data| data[8] = 0);
+    slices(|data| data[4] = 9);
 }
 
 #[test]
@@ -214,22 +230,32 @@ fn wrong_numbers_are_refused() {
     }));
     for value in [f32::NAN, f32::INFINITY, -1e7] {
         number("modes")(refused(|c| {
-            c.clusters[1].velocity.modes = changed(&c.clusters[1].velocity.modes, 5, value)
+            c.clusters[1].field.modes = changed(&c.clusters[1].field.modes, 5, value)
         }));
-        number("coefficients")(refused(|c| {
-            c.clusters[0].velocity.coefficients = changed(&c.clusters[0].velocity.coefficients, 5, value);
+        number("coarse rows of the core")(refused(|c| {
+            c.clusters[0].field.coarse = changed(&c.clusters[0].field.coarse, 5, value);
         }));
         number("parameter modes")(refused(|c| {
-            c.clusters[0].velocity.parameter_modes = changed(&c.clusters[0].velocity.parameter_modes, 5, value);
+            c.clusters[0].field.parameter_modes = changed(&c.clusters[0].field.parameter_modes, 5, value);
         }));
-        number("cross product")(refused(|c| {
-            c.clusters[0].cross_product = changed(&c.clusters[0].cross_product, 0, value)
+        number("axial controls")(refused(|c| {
+            c.clusters[0].field.axial_controls = changed(&c.clusters[0].field.axial_controls, 0, value)
         }));
         number("samples")(refused(|c| {
             c.clusters[0].samples = changed(&c.clusters[0].samples, 0, value)
         }));
         number("leave-one-out errors")(refused(|c| {
             c.clusters[0].paper_errors.left_out = changed(&c.clusters[0].paper_errors.left_out, 0, value);
+        }));
+    }
+    // Not 0 at the start, not the end time at the end, falling, five times the same.
+    for (index, value) in [(3, 0.05), (85, 3.9), (7, 0.05), (8, 0.1)] {
+        number("knots")(refused(|c| {
+            let mut knots = changed(&c.clusters[1].field.knots, index, value);
+            if index == 8 {
+                (4..8).for_each(|earlier| knots = changed(&knots, earlier, value));
+            }
+            c.clusters[1].field.knots = knots;
         }));
     }
     number("deviations")(refused(|c| {

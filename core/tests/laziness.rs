@@ -105,8 +105,8 @@ fn reads<R>(work: impl FnOnce() -> R) -> usize {
 
 /// Reads of one node: its row of every mode, and its reference position.
 const NODE: usize = 3 * SHAPE_MODES + 3;
-/// Reads of one stored instant of one field.
-const INSTANT: usize = (SHAPE_MODES + 1) * FUNCTIONS;
+/// Reads of one control of the splines.
+const CONTROL: usize = (SHAPE_MODES + 1) * FUNCTIONS;
 
 #[test]
 fn a_scene_pays_for_itself_alone() {
@@ -131,8 +131,8 @@ fn a_scene_pays_for_itself_alone() {
     let mut instant = evaluator.at(Counted(1.23)).unwrap();
     let list = [5];
     let first = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
-    // Two instants of both fields and the cross product of their modes, and the search for the interval.
-    let interval = 4 * INSTANT + 2 * (SHAPE_MODES + 1).pow(2);
+    // Four controls, and the search for the interval.
+    let interval = 4 * CONTROL;
     assert!((NODE + interval..NODE + interval + 40).contains(&first), "{first}");
     let again = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
     let only = |found: usize, expected: usize| assert!((expected..=expected + CONSTANTS).contains(&found), "{found}");
@@ -150,7 +150,7 @@ fn a_scene_pays_for_itself_alone() {
         sector * NODE,
     );
 
-    // Observables: the two outlines; nothing more of the velocity than was read for the displacement's rates.
+    // Observables: the two outlines; nothing more of the velocity than was read for the displacement.
     let outlines = (family.sphere.midplane.len() + family.sphere.diagonal.len()) * NODE;
     let observables = reads(|| instant.observables().unwrap());
     assert!((outlines..outlines + 80).contains(&observables), "{observables}");
@@ -189,7 +189,7 @@ fn stepping_goes_on_from_where_it_is() {
     let step = Some(Counted(0.02));
     evaluator.prepare(&Query { step, ..query }).unwrap();
     let mut centroid = |t| reads(|| evaluator.at(Counted(t)).unwrap().centroid());
-    let learning = 2 * family.times.len() * INSTANT;
+    let learning = 2 * family.times.len() * CONTROL;
     let first = centroid(3.0);
     assert!(first > learning, "{first}");
     // One more step reads the few snapshots of its window, not all.

@@ -22,15 +22,11 @@ fn modest(change: impl FnOnce(&mut Contents<'_>)) -> Vec<u8> {
     write(&contents)
 }
 
-/// Gives the displacement parameter modes that are zero.
+/// Gives the motion parameter modes that are zero.
 fn widen(contents: &mut Contents<'_>, columns: usize) {
     for cluster in &mut contents.clusters {
-        let field = &mut cluster.displacement;
-        for matrix in [
-            &mut field.translation,
-            &mut field.coefficients,
-            &mut field.parameter_modes,
-        ] {
+        let field = &mut cluster.field;
+        for matrix in [&mut field.parameter_modes, &mut field.coarse, &mut field.fine] {
             let mut bytes = Vec::new();
             for row in matrix.blob.data.chunks(4 * matrix.columns as usize) {
                 bytes.extend_from_slice(row);
@@ -81,7 +77,7 @@ fn a_workspace_that_just_fits_answers_as_any_other() {
 #[test]
 fn a_model_that_is_one_too_large_is_refused() {
     let needs = |limit, change: fn(&mut Contents<'_>)| lacks::<15, 4, 15>(limit, &modest(change));
-    needs("displacement parameter modes", |c| widen(c, 16));
+    needs("parameter modes", |c| widen(c, 16));
     needs("neighbours of the kernel", |c| c.kernel.neighbours = 16);
     needs("neighbours of the diffuse approximation", |c| c.paper.neighbours = 13);
     needs("local displacement modes", |c| c.paper.displacement_rank = 5);

@@ -13,7 +13,7 @@ const PARAMETERS: [f64; 2] = [0.05, 0.97];
 const T: f64 = 2.0;
 
 /// Runs a check at one instant of one query.
-fn at_instant(method: Method, check: impl Fn(&Family, &Model<'_>, capsule_core::Instant<'_, '_, f64, 64, 16, 32>)) {
+fn at_instant(method: Method, check: impl Fn(&Family, &Model<'_>, capsule_core::Instant<'_, '_, f64, 96, 16, 32>)) {
     let family = Family::new(4);
     let file = family.file();
     let model = Model::open(&file).unwrap();
@@ -54,7 +54,8 @@ fn every_scene_shows_the_same_surface() {
         assert!(distance(&found, &shifted) < 2e-6);
         instant.velocities(&centroid, &mut found).unwrap();
         let shifted: Vec<_> = velocity.iter().map(|v| [v[0] - u, v[1], v[2]]).collect();
-        assert!(distance(&found, &shifted) < 2e-6);
+        // A difference of stored singles over a third of an interval.
+        assert!(distance(&found, &shifted) < 2e-5);
 
         let mut outline = vec![[0.0; 2]; 40];
         let count = instant.outline(MIDPLANE, Frame::Laboratory, &mut outline).unwrap();

@@ -9,7 +9,6 @@ mod plane;
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::part_mut;
-use crate::model::MatrixView;
 use crate::model::wire::MAX_PARAMETERS;
 pub use coordinates::Coordinates;
 pub(crate) use diffuse::{ridge_rows, weight};
@@ -113,14 +112,6 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// sum |L_j|: how much noise in the data may grow.
     pub fn lebesgue(&self) -> T {
         self.iter().map(|(_, value)| value.abs()).sum()
-    }
-
-    /// out <- sum_j L_j row j.
-    pub(crate) fn combine(&self, rows: &MatrixView<'_>, out: &mut [T]) {
-        out.fill(T::ZERO);
-        for (sample, value) in self.iter() {
-            rows.add_row(sample, value, out);
-        }
     }
 
     /// Standard deviation of the interpolation error for data with a generalised covariance: -r^5 for weights that

@@ -48,33 +48,6 @@ pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T)
     sum(lanes)
 }
 
-/// As [`dot_by`], of entries that have units of the same length.
-pub(crate) fn dot_scaled<E: Copy, U: Copy, T: Real>(a: &[E], units: &[U], x: &[T], value: impl Fn(E, U) -> T) -> T {
-    let mut lanes = [T::ZERO; LANES];
-    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
-    let (unit_chunks, unit_rest) = units.as_chunks::<LANES>();
-    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-    for ((a, units), x) in a_chunks.iter().zip(unit_chunks).zip(x_chunks) {
-        let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
-        let [u0, u1, u2, u3, u4, u5, u6, u7] = *units;
-        let scaled = [
-            value(a0, u0),
-            value(a1, u1),
-            value(a2, u2),
-            value(a3, u3),
-            value(a4, u4),
-            value(a5, u5),
-            value(a6, u6),
-            value(a7, u7),
-        ];
-        lanes = add_products(lanes, scaled, *x);
-    }
-    for (((lane, a), unit), x) in lanes.iter_mut().zip(a_rest).zip(unit_rest).zip(x_rest) {
-        *lane += value(*a, *unit) * *x;
-    }
-    sum(lanes)
-}
-
 /// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in
 /// memory.
 #[inline(always)]
@@ -104,9 +77,14 @@ pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     dot_by(a, x, |value| value)
 }
 
+/// y <- y + factor times stored entries.
+pub(crate) fn add_by<E: Copy, T: Real>(y: &mut [T], factor: T, entries: &[E], value: impl Fn(E) -> T) {
+    for (y, entry) in y.iter_mut().zip(entries) {
+        *y += factor * value(*entry);
+    }
+}
+
 /// y <- y + factor x.
 pub(crate) fn add_scaled<T: Real>(y: &mut [T], factor: T, x: &[T]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += factor * *x;
-    }
+    add_by(y, factor, x, |value| value);
 }

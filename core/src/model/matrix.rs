@@ -2,7 +2,7 @@
 
 use super::wire::{Blob, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{dot_by, dot_scaled, part};
+use crate::linalg::{add_by, dot_by, part};
 
 /// A stored matrix, row-major; reads single by single where the bytes are not aligned.
 #[derive(Clone, Copy, Debug)]
@@ -10,38 +10,63 @@ pub struct MatrixView<'a> {
     rows: usize,
     columns: usize,
     entries: Entries<'a>,
+    units: Units<'a>,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Entries<'a> {
     Aligned(&'a [f32]),
     Bytes(&'a [[u8; 4]]),
-    /// Integers in the units of their columns.
-    Scaled {
-        units: &'a [[u8; 4]],
-        integers: &'a [[u8; 2]],
-    },
+    Shorts(&'a [[u8; 2]]),
+    Small(&'a [i8]),
+}
+
+/// What the entries are multiples of.
+#[derive(Clone, Copy, Debug)]
+enum Units<'a> {
+    One,
+    OfColumns(&'a [[u8; 4]]),
+    OfRows(&'a [[u8; 4]]),
+}
+
+impl Units<'_> {
+    fn of_row(&self, row: usize) -> Option<f32> {
+        match self {
+            Self::OfRows(units) => units.get(row).copied().map(f32::from_le_bytes),
+            _ => None,
+        }
+    }
+
+    fn of_column(&self, column: usize) -> Option<f32> {
+        match self {
+            Self::OfColumns(units) => units.get(column).copied().map(f32::from_le_bytes),
+            _ => None,
+        }
+    }
 }
 
 impl<'a> MatrixView<'a> {
     /// A view of a matrix; entries that its bytes do not hold read as 0.
     pub fn new(matrix: &Matrix<'a>) -> Self {
-        let data = matrix.blob.data;
-        let entries = match (matrix.encoding, bytemuck::try_cast_slice(data)) {
-            (Encoding::F32, Ok(singles)) if cfg!(target_endian = "little") => Entries::Aligned(singles),
-            (Encoding::F32, _) => Entries::Bytes(data.as_chunks().0),
-            (Encoding::I16, _) => {
-                let (units, integers) = data.split_at_checked(4 * matrix.columns as usize).unwrap_or_default();
-                Entries::Scaled {
-                    units: units.as_chunks().0,
-                    integers: integers.as_chunks().0,
-                }
-            }
+        let [rows, columns] = [matrix.rows, matrix.columns].map(|count| count as usize);
+        let units = match matrix.encoding {
+            Encoding::F32 => 0,
+            Encoding::I16 => columns,
+            Encoding::I16Rows | Encoding::I8Rows => rows,
+        };
+        let (units, data) = matrix.blob.data.split_at_checked(4 * units).unwrap_or_default();
+        let units = units.as_chunks().0;
+        let (units, entries) = match matrix.encoding {
+            Encoding::F32 => (Units::One, singles(data)),
+            Encoding::I16 => (Units::OfColumns(units), Entries::Shorts(data.as_chunks().0)),
+            Encoding::I16Rows => (Units::OfRows(units), Entries::Shorts(data.as_chunks().0)),
+            Encoding::I8Rows => (Units::OfRows(units), Entries::Small(bytemuck::try_cast_slice(data).unwrap_or_default())),
         };
         Self {
-            rows: matrix.rows as usize,
-            columns: matrix.columns as usize,
+            rows,
+            columns,
             entries,
+            units,
         }
     }
 
@@ -58,14 +83,18 @@ impl<'a> MatrixView<'a> {
     /// Entry (row, column); 0 outside.
     pub fn get(&self, row: usize, column: usize) -> f32 {
         let index = row * self.columns + column;
-        match self.entries {
-            Entries::Aligned(entries) => entries.get(index).copied().unwrap_or_default(),
-            Entries::Bytes(entries) => entries.get(index).map_or(0.0, |bytes| f32::from_le_bytes(*bytes)),
-            Entries::Scaled { units, integers } => match (units.get(column), integers.get(index)) {
-                (Some(unit), Some(integer)) => f32::from_le_bytes(*unit) * f32::from(i16::from_le_bytes(*integer)),
-                _ => 0.0,
-            },
-        }
+        let entry = match self.entries {
+            Entries::Aligned(entries) => entries.get(index).copied(),
+            Entries::Bytes(entries) => entries.get(index).copied().map(f32::from_le_bytes),
+            Entries::Shorts(entries) => entries.get(index).copied().map(short),
+            Entries::Small(entries) => entries.get(index).copied().map(f32::from),
+        };
+        let unit = match self.units {
+            Units::One => Some(1.0),
+            Units::OfColumns(_) => self.units.of_column(column),
+            Units::OfRows(_) => self.units.of_row(row),
+        };
+        entry.zip(unit).map_or(0.0, |(entry, unit)| entry * unit)
     }
 
     /// The rows of a matrix of two columns.
@@ -85,51 +114,63 @@ impl<'a> MatrixView<'a> {
         (0..self.rows).map(move |row| core::array::from_fn(|column| entry(row, column)))
     }
 
-    /// Row times vector, over the row's columns.
-    pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
-        let range = row * self.columns..(row + 1) * self.columns;
-        match self.entries {
-            Entries::Aligned(entries) => dot_by(entries.get(range).unwrap_or_default(), x, T::from_f32),
-            Entries::Bytes(entries) => dot_by(entries.get(range).unwrap_or_default(), x, |bytes| {
-                T::from_f32(f32::from_le_bytes(bytes))
-            }),
-            Entries::Scaled { units, integers } => {
-                let integers = integers.get(range).unwrap_or_default();
-                dot_scaled(integers, units, x, |integer, unit| {
-                    T::from_f32(f32::from(i16::from_le_bytes(integer)) * f32::from_le_bytes(unit))
-                })
+    /// x <- x times the units of the columns, where they have any: [`dot`](Self::dot) takes such vectors.
+    pub(crate) fn scale<T: Real>(&self, x: &mut [T]) {
+        for (column, x) in x.iter_mut().enumerate() {
+            if let Some(unit) = self.units.of_column(column) {
+                *x = *x * T::from_f32(unit);
             }
         }
     }
 
-    /// out <- the rows from `first` on times a vector, as many as `out` holds.
+    /// Row times a [scaled](Self::scale) vector, over as many columns as the vector has.
+    pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
+        let range = row * self.columns..row * self.columns + x.len();
+        let sum = match self.entries {
+            Entries::Aligned(entries) => dot_by(part(entries, range), x, T::from_f32),
+            Entries::Bytes(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(f32::from_le_bytes(entry))),
+            Entries::Shorts(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(short(entry))),
+            Entries::Small(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(entry.into())),
+        };
+        self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
+    }
+
+    /// out <- the rows from `first` on times a [scaled](Self::scale) vector, as many as `out` holds.
     pub(crate) fn multiply<T: Real>(&self, first: usize, x: &[T], out: &mut [T]) {
         for (row, out) in out.iter_mut().enumerate() {
             *out = self.dot(first + row, x);
         }
     }
 
-    /// out <- out + factor times a row.
-    pub(crate) fn add_row<T: Real>(&self, row: usize, factor: T, out: &mut [T]) {
-        let range = row * self.columns..(row + 1) * self.columns;
-        match self.entries {
-            Entries::Aligned(entries) => add_by(out, factor, part(entries, range), |value| value),
-            Entries::Bytes(entries) => add_by(out, factor, part(entries, range), f32::from_le_bytes),
-            Entries::Scaled { units, integers } => {
-                for ((out, integer), unit) in out.iter_mut().zip(part(integers, range)).zip(units) {
-                    let value = f32::from(i16::from_le_bytes(*integer)) * f32::from_le_bytes(*unit);
-                    *out += factor * T::from_f32(value);
-                }
+    /// out <- the sum of rows times factors.
+    pub(crate) fn combine<T: Real>(&self, factors: impl Iterator<Item = (usize, T)>, out: &mut [T]) {
+        out.fill(T::ZERO);
+        for (row, factor) in factors {
+            let range = row * self.columns..row * self.columns + out.len();
+            let factor = self.units.of_row(row).map_or(factor, |unit| factor * T::from_f32(unit));
+            match self.entries {
+                Entries::Aligned(entries) => add_by(out, factor, part(entries, range), T::from_f32),
+                Entries::Bytes(entries) => add_by(out, factor, part(entries, range), |entry| {
+                    T::from_f32(f32::from_le_bytes(entry))
+                }),
+                Entries::Shorts(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(short(entry))),
+                Entries::Small(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(entry.into())),
             }
         }
+        self.scale(out);
     }
 }
 
-/// out <- out + factor times stored entries.
-fn add_by<E: Copy, T: Real>(out: &mut [T], factor: T, entries: &[E], value: impl Fn(E) -> f32) {
-    for (out, entry) in out.iter_mut().zip(entries) {
-        *out += factor * T::from_f32(value(*entry));
+/// Little-endian singles, as they lie where that is possible.
+fn singles(data: &[u8]) -> Entries<'_> {
+    match bytemuck::try_cast_slice(data) {
+        Ok(singles) if cfg!(target_endian = "little") => Entries::Aligned(singles),
+        _ => Entries::Bytes(data.as_chunks().0),
     }
+}
+
+fn short(bytes: [u8; 2]) -> f32 {
+    i16::from_le_bytes(bytes).into()
 }
 
 /// A stored list of node indices.
@@ -179,13 +220,36 @@ mod tests {
         }
         let view = MatrixView::new(&Matrix::new(3, 2, Encoding::I16, &bytes));
         let expected = [[1.5, -2.0], [-16383.5, 7e-3], [0.0, 1e-3]];
-        let mut found = [0.0_f64; 3];
-        view.multiply(0, &[2.0, 10.0], &mut found);
+        let (mut x, mut found) = ([2.0, 10.0], [0.0_f64; 3]);
+        view.scale(&mut x);
+        view.multiply(0, &x, &mut found);
         for (row, [a, b]) in expected.into_iter().enumerate() {
             assert_eq!([view.get(row, 0), view.get(row, 1)], [a, b]);
             assert!((found[row] - f64::from(2.0 * a + 10.0 * b)).abs() < 1e-3);
         }
         assert_eq!((view.get(3, 0), view.get(0, 2)), (0.0, 0.0));
+        let mut sum = [0.0_f64; 2];
+        view.combine([(0, 2.0), (2, -1.0)].into_iter(), &mut sum);
+        assert!((sum[0] - 3.0).abs() < 1e-6 && (sum[1] + 4.001).abs() < 1e-6, "{sum:?}");
+    }
+
+    #[test]
+    fn integers_read_in_the_units_of_their_rows() {
+        let mut bytes = [0_u8; 14];
+        bytes[..4].copy_from_slice(&0.5_f32.to_le_bytes());
+        bytes[4..8].copy_from_slice(&2.0_f32.to_le_bytes());
+        let small = [3_i8, -128, 127, -1, 0, 5];
+        bytes[8..].copy_from_slice(bytemuck::cast_slice(&small));
+        let view = MatrixView::new(&Matrix::new(2, 3, Encoding::I8Rows, &bytes));
+        assert_eq!([view.get(0, 1), view.get(1, 2), view.get(2, 0)], [-64.0, 10.0, 0.0]);
+        let mut found = [0.0_f32; 2];
+        view.multiply(0, &[1.0, 0.0, 2.0], &mut found);
+        assert_eq!(found, [1.5 + 127.0, -2.0 + 20.0]);
+        view.multiply(0, &[1.0, 1.0], &mut found);
+        assert_eq!(found, [1.5 - 64.0, -2.0], "the leading columns");
+        let mut sum = [0.0_f32; 3];
+        view.combine([(1, 0.5)].into_iter(), &mut sum);
+        assert_eq!(sum, [-1.0, 0.0, 5.0]);
     }
 
     #[test]

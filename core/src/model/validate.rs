@@ -7,6 +7,8 @@ use crate::error::OpenError;
 
 /// Larger numbers have no meaning in any array of a model, and could overflow what is computed from them.
 const LARGEST: f32 = 1e6;
+/// Order of the cubic splines.
+const ORDER: usize = 4;
 /// The largest mesh that u16 indices can number.
 const MOST_NODES: usize = 1 << 16;
 
@@ -87,7 +89,7 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
         setting("greatest value of a cluster", cluster.max, cluster.min, 1e6)?;
         reached = Some(cluster.max);
         samples(cluster, parameters, least as f32)?;
-        self::cluster(cluster, nodes, times.rows(), error_times.rows())?;
+        self::cluster(cluster, nodes, times.get(times.rows() - 1, 0), error_times.rows())?;
     }
     if reached.is_none() {
         return Err(OpenError::Dimension {
@@ -191,19 +193,9 @@ fn samples(cluster: &Cluster<'_>, parameters: usize, least: f32) -> Result<(), O
     Ok(())
 }
 
-fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize) -> Result<(), OpenError> {
+fn cluster(cluster: &Cluster<'_>, nodes: usize, end_time: f32, error_times: usize) -> Result<(), OpenError> {
     let samples = cluster.samples.rows as usize;
-    for field in [&cluster.displacement, &cluster.velocity] {
-        self::field(field, nodes, times, samples)?;
-    }
-    let [rank_u, rank_v] = [&cluster.displacement, &cluster.velocity].map(|field| field.modes.columns + 1);
-    dimension("rows of the cross product", rank_u as usize, cluster.cross_product.rows)?;
-    dimension(
-        "columns of the cross product",
-        rank_v as usize,
-        cluster.cross_product.columns,
-    )?;
-    matrix("cross product", &cluster.cross_product, -LARGEST, LARGEST)?;
+    field(&cluster.field, nodes, end_time, samples)?;
     for Errors {
         left_out,
         deviation,
@@ -225,29 +217,82 @@ fn cluster(cluster: &Cluster<'_>, nodes: usize, times: usize, error_times: usize
     Ok(())
 }
 
-fn field(field: &Field<'_>, nodes: usize, times: usize, samples: usize) -> Result<(), OpenError> {
+fn field(field: &Field<'_>, nodes: usize, end_time: f32, samples: usize) -> Result<(), OpenError> {
     dimension("rows of the modes", 3 * nodes, field.modes.rows)?;
     matrix("modes", &field.modes, -LARGEST, LARGEST)?;
-    dimension("rows of the translation", times, field.translation.rows)?;
-    dimension(
-        "columns of the translation",
-        field.coefficients.columns as usize,
-        field.translation.columns,
-    )?;
-    matrix("translation", &field.translation, -LARGEST, LARGEST)?;
-    dimension(
-        "rows of the coefficients",
-        times.saturating_mul(field.modes.columns as usize),
-        field.coefficients.rows,
-    )?;
-    matrix("coefficients", &field.coefficients, -LARGEST, LARGEST)?;
     dimension("rows of the parameter modes", samples, field.parameter_modes.rows)?;
-    dimension(
-        "columns of the parameter modes",
-        field.coefficients.columns as usize,
-        field.parameter_modes.columns,
-    )?;
     matrix("parameter modes", &field.parameter_modes, -LARGEST, LARGEST)?;
+    let controls = knots(&field.knots, end_time)?;
+    for (what, rows) in [("coarse rows of the core", &field.coarse), ("fine rows of the core", &field.fine)] {
+        dimension(what, field.parameter_modes.columns as usize, rows.columns)?;
+        matrix(what, rows, -LARGEST, LARGEST)?;
+    }
+    slices(field, controls)?;
+    dimension("rows of the axial controls", controls, field.axial_controls.rows)?;
+    matrix("axial controls", &field.axial_controls, -LARGEST, LARGEST)?;
+    dimension("rows of the axial modes", samples, field.axial_modes.rows)?;
+    dimension(
+        "columns of the axial modes",
+        field.axial_controls.columns as usize,
+        field.axial_modes.columns,
+    )?;
+    matrix("axial modes", &field.axial_modes, -LARGEST, LARGEST)?;
+    Ok(())
+}
+
+/// Checks the knots and returns the number of controls.
+fn knots(stored: &Matrix<'_>, end_time: f32) -> Result<usize, OpenError> {
+    dimension("columns of the knots", 1, stored.columns)?;
+    let knots = matrix("knots", stored, 0.0, LARGEST)?;
+    let controls = knots.rows().saturating_sub(ORDER);
+    if controls < ORDER {
+        return Err(OpenError::Dimension {
+            what: "knots",
+            expected: 2 * ORDER,
+            found: knots.rows(),
+        });
+    }
+    for index in 0..knots.rows() {
+        let value = knots.get(index, 0);
+        let fault = if index < ORDER && value != 0.0 {
+            "0, as the first four"
+        } else if index >= controls && value != end_time {
+            "the end time, as the last four"
+        } else if index > 0 && value < knots.get(index - 1, 0) {
+            "no less than the one before"
+        } else if index >= ORDER && value <= knots.get(index - ORDER, 0) {
+            "more than the fourth before it"
+        } else {
+            continue;
+        };
+        return Err(OpenError::Number {
+            what: "knots",
+            index,
+            value,
+            expected: fault,
+        });
+    }
+    Ok(controls)
+}
+
+/// Checks where the slices begin and end.
+fn slices(field: &Field<'_>, controls: usize) -> Result<(), OpenError> {
+    let ends = [field.coarse.rows, field.fine.rows].map(|rows| rows as usize);
+    let [most_coarse, most_fine] = ends.map(|rows| rows + 1);
+    let starts = Indices::new(&field.slices);
+    length("slices", &field.slices, 4 * (controls + 1))?;
+    for slice in 0..=controls {
+        let of = |slice: usize, which| starts.get(2 * slice + which).unwrap_or_default();
+        let [coarse, fine] = [of(slice, 0), of(slice, 1)];
+        bounded("slices", 2 * slice, coarse, most_coarse)?;
+        bounded("slices", 2 * slice + 1, fine, most_fine)?;
+        let Some(before) = slice.checked_sub(1) else { continue };
+        let rows = (coarse.wrapping_sub(of(before, 0)), fine.wrapping_sub(of(before, 1)));
+        let modes = field.modes.columns as usize;
+        for (which, rows) in [(0, rows.0), (1, rows.1), (1, rows.0.saturating_add(rows.1))] {
+            bounded("slices", 2 * slice + which, rows, modes + 1)?;
+        }
+    }
     Ok(())
 }
 
@@ -307,6 +352,8 @@ fn matrix<'a>(what: &'static str, matrix: &Matrix<'a>, min: f32, max: f32) -> Re
     let bytes = match matrix.encoding {
         Encoding::F32 => count.saturating_mul(4),
         Encoding::I16 => count.saturating_mul(2).saturating_add(columns.saturating_mul(4)),
+        Encoding::I16Rows => count.saturating_mul(2).saturating_add(rows.saturating_mul(4)),
+        Encoding::I8Rows => count.saturating_add(rows.saturating_mul(4)),
     };
     length(what, &matrix.blob, bytes)?;
     let view = MatrixView::new(matrix);

@@ -4,11 +4,11 @@
 //! file, so that they are read where they lie. [`encode`](super::encode) chooses the pads; a writer leaves them empty.
 //!
 //! # State
-//! Mode 0 of both fields is the axial translation and has no column in the mode matrices: coefficient 0 of the
-//! displacement is `sqrt(N_x) X_c` with `X_c` the axial position of the volume centroid, coefficient 0 of the velocity
-//! is `sqrt(N_x) U` with `U = dX_c/dt`. Coefficient `k >= 1` belongs to column `k - 1` of the mode matrix. The shape
+//! Coefficient 0 of the displacement is the translation, `sqrt(N_x) X_c` with `X_c` the axial position of the volume
+//! centroid; it has no column in the mode matrix. Coefficient `k >= 1` belongs to column `k - 1`. The shape
 //! displacement is measured in the centroid's frame from the scaled reference node: `x = s X + Phi alpha`, with s = a/l or 1
-//! as the mesh's [`Reference`] says, so the initial shape is in the data at t = 0. The shape velocity is `v - U e_x`.
+//! as the mesh's [`Reference`] says, so the initial shape is in the data at t = 0. The velocity's coefficients are the rates
+//! d alpha/dt: coefficient 0 is `sqrt(N_x) U` with `U = dX_c/dt`, the others are those of `v - U e_x`.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -152,32 +152,41 @@ pub struct Cluster<'a> {
     /// Samples `[N_c, P]`: rows of parameters, all different.
     #[serde(borrow)]
     pub samples: Matrix<'a>,
-    /// Displacement.
-    pub displacement: Field<'a>,
-    /// Velocity.
-    pub velocity: Field<'a>,
-    /// `Phi_u^T Phi_v` `[K_u, K_v]` over the full mesh, translation included (entry (0, 0) is 1, the rest of row and
-    /// column 0 is 0).
-    pub cross_product: Matrix<'a>,
+    /// Displacement and velocity.
+    pub field: Field<'a>,
     /// Leave-one-out errors of [`Method::Direct`].
     pub direct_errors: Errors<'a>,
     /// Leave-one-out errors of [`Method::Paper`].
     pub paper_errors: Errors<'a>,
 }
 
-/// One field's double POD (eqs. 15 to 22): value(t_i, theta_j) = Phi A(t_i) Psi_j^T.
+/// The motion of a cluster: the double POD of displacement and velocity (eqs. 15 to 22) in common modes, with time in cubic
+/// B-splines: the displacement of sample j at t is `Phi sum_b B_b(t) G_b Psi_j^T`.
+///
+/// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the rates of
+/// the displacement's. The core's slices G_b `[K - 1, K_c]` are graded: their first rows, which are large, are stored in
+/// more digits than those that follow, and the last ones, which are negligible, not at all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Field<'a> {
     /// Shape modes `[3 N_s, K - 1]` at the sector nodes (rows x, y, z of node 0, then of node 1 ...), orthonormal over
     /// the FULL mesh.
     #[serde(borrow)]
     pub modes: Matrix<'a>,
-    /// The translation's coefficients `[N_t, K_c]`: row 0 of A(t_0), of A(t_1) ...
-    pub translation: Matrix<'a>,
-    /// The shape's coefficients `[N_t (K - 1), K_c]`: the other rows of A(t_0), of A(t_1) ...
-    pub coefficients: Matrix<'a>,
-    /// Parameter modes `[N_c, K_c]`.
+    /// Psi `[N_c, K_c]`.
     pub parameter_modes: Matrix<'a>,
+    /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than four
+    /// times.
+    pub knots: Matrix<'a>,
+    /// `u16 [N_b + 1, 2]`: for each slice its first row in `coarse` and in `fine`, then how many rows these have.
+    pub slices: Blob<'a>,
+    /// The first rows of the slices `[n, K_c]`.
+    pub coarse: Matrix<'a>,
+    /// The rows that follow them `[n, K_c]`.
+    pub fine: Matrix<'a>,
+    /// The translation's controls `[N_b, K_a]`: that of sample j is `sum_b B_b(t) F_b Y_j^T`.
+    pub axial_controls: Matrix<'a>,
+    /// Y `[N_c, K_a]`.
+    pub axial_modes: Matrix<'a>,
 }
 
 /// Leave-one-out errors at the samples of a cluster, by one method.
@@ -198,7 +207,7 @@ pub struct Errors<'a> {
 /// How a query is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Method {
-    /// Interpolated coefficients evaluated at the instant: a quintic kernel in the parameters, cubic Hermite in time.
+    /// Interpolated coefficients evaluated at the instant: a quintic kernel in the parameters, cubic splines in time.
     Direct,
     /// Algorithm 2 of the paper: diffuse approximation, local POD, learned manifold, forward Euler.
     Paper,
@@ -253,6 +262,10 @@ pub enum Encoding {
     F32,
     /// A little-endian binary32 for each column, its unit; then little-endian i16 in the units of their columns.
     I16,
+    /// A little-endian binary32 for each row, its unit; then little-endian i16 in the units of their rows.
+    I16Rows,
+    /// A little-endian binary32 for each row, its unit; then i8 in the units of their rows.
+    I8Rows,
 }
 
 /// Little-endian numbers, aligned to 16 bytes in the file by the pad before them.
@@ -266,7 +279,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 16 * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 15 * MAX_CLUSTERS;
 
     /// Visits every blob in the order of the message.
     pub(crate) fn for_each_blob(&mut self, visit: &mut impl FnMut(&mut Blob<'a>)) {
@@ -285,13 +298,15 @@ impl<'a> Contents<'a> {
         visit(&mut self.border.blob);
         for cluster in &mut self.clusters {
             visit(&mut cluster.samples.blob);
-            for field in [&mut cluster.displacement, &mut cluster.velocity] {
-                visit(&mut field.modes.blob);
-                visit(&mut field.translation.blob);
-                visit(&mut field.coefficients.blob);
-                visit(&mut field.parameter_modes.blob);
-            }
-            visit(&mut cluster.cross_product.blob);
+            let field = &mut cluster.field;
+            visit(&mut field.modes.blob);
+            visit(&mut field.parameter_modes.blob);
+            visit(&mut field.knots.blob);
+            visit(&mut field.slices);
+            visit(&mut field.coarse.blob);
+            visit(&mut field.fine.blob);
+            visit(&mut field.axial_controls.blob);
+            visit(&mut field.axial_modes.blob);
             for errors in [&mut cluster.direct_errors, &mut cluster.paper_errors] {
                 visit(&mut errors.left_out.blob);
                 visit(&mut errors.deviation.blob);

@@ -118,8 +118,6 @@ pub struct Family {
     pub sphere: Sphere,
     /// Shape modes at all nodes, orthonormal.
     pub modes: Vec<Vec<[f64; 3]>>,
-    /// Velocity modes in terms of the shape modes: an orthogonal matrix, row by row.
-    pub mixing: [[f64; SHAPE_MODES]; SHAPE_MODES],
     /// Relaxation rates of the shape's coefficients.
     pub rates: [f64; SHAPE_MODES],
     pub times: Vec<f32>,
@@ -163,13 +161,10 @@ impl Family {
             mode.iter_mut().for_each(|vector| *vector = vector.map(|x| x / norm));
             modes.push(mode);
         }
-        let (c, s) = (0.8, 0.6);
-        let mixing = [[c, s, 0.0, 0.0], [-s, c, 0.0, 0.0], [0.0, 0.0, s, -c], [0.0, 0.0, c, s]];
         let times = (0..=40).map(|i| 0.1 * i as f32).collect();
         Self {
             sphere,
             modes,
-            mixing,
             rates: [1.0, 0.6, 1.7, 2.9],
             times,
             samples: design(|_| true),
@@ -256,7 +251,6 @@ impl Family {
     /// The contents of the model file; `arena` keeps its arrays.
     pub fn contents<'a>(&self, arena: &'a mut Arena) -> Contents<'a> {
         let sphere = &self.sphere;
-        let state = SHAPE_MODES + 1;
         let sector = sphere.sector_nodes.len();
         let clusters = [(0.75, 0.9), (0.9, 1.2)];
         arena.build(|a| {
@@ -275,31 +269,19 @@ impl Family {
             for (min, max) in clusters {
                 let samples = self.cluster_samples(min, max);
                 a.f32s(samples.iter().copied().flatten());
-                for which in 0..2 {
-                    let columns: Vec<Vec<[f64; 3]>> = if which == 0 {
-                        self.modes.clone()
-                    } else {
-                        self.velocity_modes()
-                    };
-                    a.f32s(sphere.sector_nodes.iter().flat_map(|&n| {
-                        let columns = &columns;
-                        (0..3).flat_map(move |axis| columns.iter().map(move |mode| mode[usize::from(n)][axis]))
-                    }));
-                    for rows in [0..1, 1..state] {
-                        a.f32s(
-                            self.times
-                                .iter()
-                                .flat_map(|&t| rows.clone().map(move |k| (t, k)))
-                                .flat_map(|(t, k)| self.stored(which, k, f64::from(t))),
-                        );
-                    }
-                    a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
-                }
-                a.f32s(
-                    (0..state)
-                        .flat_map(|k| (0..state).map(move |l| (k, l)))
-                        .map(|(k, l)| self.cross(k, l)),
-                );
+                a.f32s(sphere.sector_nodes.iter().flat_map(|&n| {
+                    (0..3).flat_map(move |axis| self.modes.iter().map(move |mode| mode[usize::from(n)][axis]))
+                }));
+                a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
+                a.f32s(self.knots());
+                let count = self.controls();
+                // The last row of each slice is stored in fewer digits, as in a real model.
+                let coarse = SHAPE_MODES as u16 - 1;
+                a.u16s((0..=count as u16).flat_map(|b| [coarse * b, b]));
+                a.f32s((0..count).flat_map(|b| (1..SHAPE_MODES).flat_map(move |k| self.control(k, b))));
+                a.f32s((0..count).flat_map(|b| self.control(SHAPE_MODES, b)));
+                a.f32s((0..count).flat_map(|b| self.control(0, b)));
+                a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 for _ in 0..2 {
                     a.f32s(samples.iter().flat_map(|_| [0.001, 0.002]));
                     a.f32s(samples.iter().map(|_| 0.01));
@@ -329,14 +311,17 @@ impl Family {
         let clusters = clusters.into_iter().map(|(min, max)| {
             let count = self.cluster_samples(min, max).len();
             let samples = f32(count, 2, blob());
-            let mut field = || Field {
+            let controls = self.controls();
+            let field = Field {
                 modes: f32(3 * sector, SHAPE_MODES, blob()),
-                translation: f32(self.times.len(), FUNCTIONS, blob()),
-                coefficients: f32(self.times.len() * SHAPE_MODES, FUNCTIONS, blob()),
                 parameter_modes: f32(count, FUNCTIONS, blob()),
+                knots: f32(controls + 4, 1, blob()),
+                slices: blob(),
+                coarse: f32(controls * (SHAPE_MODES - 1), FUNCTIONS, blob()),
+                fine: f32(controls, FUNCTIONS, blob()),
+                axial_controls: f32(controls, FUNCTIONS, blob()),
+                axial_modes: f32(count, FUNCTIONS, blob()),
             };
-            let (displacement, velocity) = (field(), field());
-            let cross_product = f32(state, state, blob());
             let mut errors = || Errors {
                 left_out: f32(count, 2, blob()),
                 deviation: f32(count, 1, blob()),
@@ -348,9 +333,7 @@ impl Family {
                 min,
                 max,
                 samples,
-                displacement,
-                velocity,
-                cross_product,
+                field,
                 direct_errors,
                 paper_errors,
             }
@@ -401,32 +384,33 @@ impl Family {
         self.samples.iter().filter(inside).copied().collect()
     }
 
-    fn velocity_modes(&self) -> Vec<Vec<[f64; 3]>> {
-        let mix = |row: &[f64; SHAPE_MODES], node: usize| {
-            std::array::from_fn(|axis| (0..SHAPE_MODES).map(|k| row[k] * self.modes[k][node][axis]).sum())
-        };
-        self.mixing
-            .iter()
-            .map(|row| (0..self.nodes()).map(|node| mix(row, node)).collect())
+    /// Controls of the splines: two a stored instant.
+    pub fn controls(&self) -> usize {
+        2 * self.times.len()
+    }
+
+    /// Each stored instant twice, the first and the last four times.
+    fn knots(&self) -> Vec<f64> {
+        let times = self.times.iter().map(|&t| f64::from(t));
+        let last = self.times.len() - 1;
+        times
+            .enumerate()
+            .flat_map(|(i, t)| std::iter::repeat_n(t, if i == 0 || i == last { 4 } else { 2 }))
             .collect()
     }
 
-    /// Entry (k, l) of Phi_u^T Phi_v, translation included.
-    fn cross(&self, k: usize, l: usize) -> f64 {
-        match (k, l) {
-            (0, 0) => 1.0,
-            (0, _) | (_, 0) => 0.0,
-            _ => self.mixing[l - 1][k - 1],
-        }
-    }
-
-    /// Row k of A(t) (`which` 0) or B(t) (1).
-    fn stored(&self, which: usize, k: usize, t: f64) -> [f64; FUNCTIONS] {
-        if which == 0 || k == 0 {
-            return self.coefficient(k, t)[which];
-        }
-        let rates: Vec<_> = (1..=SHAPE_MODES).map(|k| self.coefficient(k, t)[1]).collect();
-        std::array::from_fn(|l| (0..SHAPE_MODES).map(|j| self.mixing[k - 1][j] * rates[j][l]).sum())
+    /// Control `b` of coefficient `k` in the parameter functions: a third of an interval beside its stored instant along
+    /// the tangent, so that the spline is the cubic with the values and rates at both ends.
+    fn control(&self, k: usize, b: usize) -> [f64; FUNCTIONS] {
+        let instant = |i: usize| f64::from(self.times[i]);
+        let t = instant(b / 2);
+        let [value, rate] = self.coefficient(k, t);
+        let ahead = if b % 2 == 0 {
+            (b / 2).checked_sub(1).map_or(0.0, |before| instant(before) - t)
+        } else {
+            self.times.get(b / 2 + 1).map_or(0.0, |&after| f64::from(after) - t)
+        };
+        std::array::from_fn(|l| value[l] + ahead / 3.0 * rate[l])
     }
 }
 
