@@ -125,8 +125,10 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
 
     /// out <- control number `b`: slice b times psi, and the translation's.
     fn control(&self, b: usize, out: &mut [T; K]) {
-        let [coarse, coarse_end, fine, fine_end] =
-            [2 * b, 2 * b + 2, 2 * b + 1, 2 * b + 3].map(|i| self.slices.get(i).unwrap_or_default());
+        let mut counts = self.slices.pairs();
+        let before = counts.by_ref().take(b);
+        let [coarse, fine] = before.fold([0, 0], |[p, q], [coarse, fine]| [p + coarse, q + fine]);
+        let [coarse_rows, fine_rows] = counts.next().unwrap_or_default();
         let Contracted { psi, axial } = self.contracted;
         let psi = part(psi, 0..self.coarse.columns());
         out.fill(T::ZERO);
@@ -134,10 +136,9 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             return;
         };
         *translation = self.axial_controls.dot(b, part(axial, 0..self.axial_controls.columns()));
-        let middle = coarse_end.saturating_sub(coarse);
-        self.coarse.multiply(coarse, psi, part_mut(shape, 0..middle));
-        let end = middle + fine_end.saturating_sub(fine);
-        self.fine.multiply(fine, psi, part_mut(shape, middle..end));
+        let end = coarse_rows + fine_rows;
+        self.coarse.multiply(coarse, psi, part_mut(shape, 0..coarse_rows));
+        self.fine.multiply(fine, psi, part_mut(shape, coarse_rows..end));
     }
 }
 

@@ -174,8 +174,8 @@ fn wrong_dimensions_are_refused() {
     dimension("clusters")(refused(|c| c.clusters.clear()));
     dimension("rows of the modes")(refused(|c| c.clusters[0].field.modes.rows += 1));
     dimension("rows of the parameter modes")(refused(|c| c.clusters[1].field.parameter_modes.rows += 1));
-    dimension("coarse rows of the core")(refused(|c| c.clusters[1].field.coarse.columns += 1));
-    dimension("fine rows of the core")(refused(|c| c.clusters[1].field.fine.columns -= 1));
+    dimension("columns of the core")(refused(|c| c.clusters[1].field.coarse.columns += 1));
+    dimension("columns of the core")(refused(|c| c.clusters[1].field.fine.columns -= 1));
     dimension("columns of the knots")(refused(|c| c.clusters[0].field.knots.columns = 2));
     dimension("knots")(refused(|c| c.clusters[0].field.knots = Matrix::f32(7, 1, &[0; 28])));
     dimension("rows of the axial controls")(refused(|c| c.clusters[0].field.axial_controls.rows -= 1));
@@ -194,18 +194,16 @@ fn wrong_dimensions_are_refused() {
     length(refused(|c| c.times.rows = u32::MAX));
     length(refused(|c| c.clusters[0].field.modes.blob.data = &[0; 4]));
     length(refused(|c| c.clusters[0].field.slices.data = &[0; 4]));
-    let bounded = |error| assert!(matches!(error, OpenError::Index { what: "slices", .. }), "{error}");
-    // Beyond the rows; falling; more rows than modes.
-    let slices = |change: fn(&mut Vec<u8>)| {
-        bounded(refused(|c| {
+    let slices = |value| {
+        move |c: &mut Contents<'_>| {
             let mut data = c.clusters[1].field.slices.data.to_vec();
-            change(&mut data);
+            data[4] = value;
             c.clusters[1].field.slices.data = data.leak();
-        }));
+        }
     };
-    slices(|data| data.iter_mut().for_each(|byte| *byte = 255));
-    slices(|data| data[8] = 0);
-    slices(|data| data[4] = 9);
+    let more_than_modes = refused(slices(9));
+    assert!(matches!(more_than_modes, OpenError::Index { what: "slices", .. }), "{more_than_modes}");
+    dimension("coarse rows of the core")(refused(slices(1)));
 }
 
 #[test]
@@ -232,7 +230,7 @@ fn wrong_numbers_are_refused() {
         number("modes")(refused(|c| {
             c.clusters[1].field.modes = changed(&c.clusters[1].field.modes, 5, value)
         }));
-        number("coarse rows of the core")(refused(|c| {
+        number("core")(refused(|c| {
             c.clusters[0].field.coarse = changed(&c.clusters[0].field.coarse, 5, value);
         }));
         number("parameter modes")(refused(|c| {

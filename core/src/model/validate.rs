@@ -223,9 +223,9 @@ fn field(field: &Field<'_>, nodes: usize, end_time: f32, samples: usize) -> Resu
     dimension("rows of the parameter modes", samples, field.parameter_modes.rows)?;
     matrix("parameter modes", &field.parameter_modes, -LARGEST, LARGEST)?;
     let controls = knots(&field.knots, end_time)?;
-    for (what, rows) in [("coarse rows of the core", &field.coarse), ("fine rows of the core", &field.fine)] {
-        dimension(what, field.parameter_modes.columns as usize, rows.columns)?;
-        matrix(what, rows, -LARGEST, LARGEST)?;
+    for rows in [&field.coarse, &field.fine] {
+        dimension("columns of the core", field.parameter_modes.columns as usize, rows.columns)?;
+        matrix("core", rows, -LARGEST, LARGEST)?;
     }
     slices(field, controls)?;
     dimension("rows of the axial controls", controls, field.axial_controls.rows)?;
@@ -275,25 +275,17 @@ fn knots(stored: &Matrix<'_>, end_time: f32) -> Result<usize, OpenError> {
     Ok(controls)
 }
 
-/// Checks where the slices begin and end.
+/// Checks that the slices have no more rows than there are modes, and share out all rows.
 fn slices(field: &Field<'_>, controls: usize) -> Result<(), OpenError> {
-    let ends = [field.coarse.rows, field.fine.rows].map(|rows| rows as usize);
-    let [most_coarse, most_fine] = ends.map(|rows| rows + 1);
-    let starts = Indices::new(&field.slices);
-    length("slices", &field.slices, 4 * (controls + 1))?;
-    for slice in 0..=controls {
-        let of = |slice: usize, which| starts.get(2 * slice + which).unwrap_or_default();
-        let [coarse, fine] = [of(slice, 0), of(slice, 1)];
-        bounded("slices", 2 * slice, coarse, most_coarse)?;
-        bounded("slices", 2 * slice + 1, fine, most_fine)?;
-        let Some(before) = slice.checked_sub(1) else { continue };
-        let rows = (coarse.wrapping_sub(of(before, 0)), fine.wrapping_sub(of(before, 1)));
-        let modes = field.modes.columns as usize;
-        for (which, rows) in [(0, rows.0), (1, rows.1), (1, rows.0.saturating_add(rows.1))] {
-            bounded("slices", 2 * slice + which, rows, modes + 1)?;
-        }
+    length("slices", &field.slices, 4 * controls)?;
+    let modes = field.modes.columns as usize;
+    let mut sum = [0, 0];
+    for (slice, [coarse, fine]) in Indices::new(&field.slices).pairs().enumerate() {
+        bounded("slices", 2 * slice + 1, coarse + fine, modes + 1)?;
+        sum = [sum[0] + coarse, sum[1] + fine];
     }
-    Ok(())
+    dimension("coarse rows of the core", sum[0], field.coarse.rows)?;
+    dimension("fine rows of the core", sum[1], field.fine.rows)
 }
 
 fn dimension(what: &'static str, expected: usize, found: u32) -> Result<(), OpenError> {

@@ -177,7 +177,7 @@ pub struct Field<'a> {
     /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than four
     /// times.
     pub knots: Matrix<'a>,
-    /// `u16 [N_b + 1, 2]`: for each slice its first row in `coarse` and in `fine`, then how many rows these have.
+    /// `u16 [N_b, 2]`: how many rows of `coarse` and of `fine` belong to each slice, one slice after the other.
     pub slices: Blob<'a>,
     /// The first rows of the slices `[n, K_c]`.
     pub coarse: Matrix<'a>,

@@ -277,7 +277,7 @@ impl Family {
                 let count = self.controls();
                 // The last row of each slice is stored in fewer digits, as in a real model.
                 let coarse = SHAPE_MODES as u16 - 1;
-                a.u16s((0..=count as u16).flat_map(|b| [coarse * b, b]));
+                a.u16s((0..count).flat_map(|_| [coarse, 1]));
                 a.f32s((0..count).flat_map(|b| (1..SHAPE_MODES).flat_map(move |k| self.control(k, b))));
                 a.f32s((0..count).flat_map(|b| self.control(SHAPE_MODES, b)));
                 a.f32s((0..count).flat_map(|b| self.control(0, b)));
