@@ -18,11 +18,11 @@ pub struct Options {
     /// Model file to write [default: models/capsule.crom; beside the data of --from, as .crom]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Truncation: root mean square error that each basis may leave, in l and V, with --from in radii and
-    /// root-mean-square velocities [default: 1e-4 and 1e-3]
+    /// Truncation: root mean square error of the displacement that each basis may leave, in l, with --from in its unit of
+    /// length [default: 5e-5 l; a ten thousandth of the radius]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
-    /// Truncation at the paper's ranks: 40 and 40 for the displacement, 50 and 50 for the velocity
+    /// Truncation at the paper's larger ranks: 50 and 50, for displacement and velocity together
     #[arg(long)]
     paper_ranks: bool,
     /// Plot singular values and 1 - RIC (the paper's Figs. 8 and 9) into this folder
@@ -49,13 +49,8 @@ Other people's data: see docs/own-data.md.";
 pub fn run(options: &Options) -> Result<()> {
     let (snapshots, mut settings) = options.source.open()?;
     settings.created_unix_s = now();
-    if let (Some(tolerance), Truncation::Tolerance { displacement, velocity }) =
-        (options.tolerance, settings.truncation)
-    {
-        settings.truncation = Truncation::Tolerance {
-            displacement: tolerance,
-            velocity: tolerance * velocity / displacement,
-        };
+    if let Some(tolerance) = options.tolerance {
+        settings.truncation = Truncation::Tolerance(tolerance);
     }
     if options.paper_ranks {
         settings.truncation = Truncation::PAPER;
@@ -127,27 +122,30 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
     );
     let mut rows = Vec::new();
     for cluster in &report.clusters {
-        for (field, reduced) in [("displacement", cluster.displacement), ("velocity", cluster.velocity)] {
-            rows.push(vec![
-                format!("{:.2} to {:.2}", cluster.range[0], cluster.range[1]),
-                cluster.samples.to_string(),
-                field.to_owned(),
-                reduced.space_rank.to_string(),
-                reduced.parameter_rank.to_string(),
-                format!("{:.1e}", reduced.space_error),
-                format!("{:.1e}", reduced.parameter_error),
-            ]);
-        }
+        let reduced = cluster.field;
+        rows.push(vec![
+            format!("{:.2} to {:.2}", cluster.range[0], cluster.range[1]),
+            cluster.samples.to_string(),
+            reduced.space_rank.to_string(),
+            reduced.parameter_rank.to_string(),
+            format!("{:.1e}", reduced.space_error),
+            format!("{:.1e}", reduced.parameter_error),
+            reduced.controls.to_string(),
+            format!("{} + {}", reduced.rows[0], reduced.rows[1]),
+            format!("{:.4} %", 100.0 * cluster.floor[0]),
+        ]);
     }
     print::table(
         &[
             &report.cluster_parameter,
             "samples",
-            "field",
             "K_x",
             "K_c",
             "space error",
             "parameter error",
+            "controls",
+            "core rows",
+            "error at samples / a",
         ],
         &rows,
     )?;

@@ -12,11 +12,11 @@ use crate::compare::{METHODS, distances, predictions};
 use crate::hausdorff::Sector;
 use crate::leave_one_out::each_left_out;
 use crate::limit::{SteadyLimit, curve, steady_limits};
-use crate::pod::{DoublePod, Rule, Snapshots};
+use crate::pod::{DoublePod, Snapshots};
 use crate::samples::{Part, SAME_ROW, Sample, clusters, common_symmetry, instants, of_collection, read};
 use crate::spectra::laboratory;
 use crate::writer::{ClusterParts, Domain, ErrorParts, MeshParts, Numbers, Units, write};
-use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum, Truncation};
+use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum};
 
 /// What a build found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,22 +62,26 @@ pub struct ClusterReport {
     pub range: [f64; 2],
     /// Samples.
     pub samples: usize,
-    /// The displacement's reduction.
-    pub displacement: FieldReport,
-    /// The velocity's reduction.
-    pub velocity: FieldReport,
+    /// The reduction of its motion.
+    pub field: FieldReport,
     /// Mean error at the samples themselves, over the error instants, as a fraction of a: direct and paper's method.
     pub floor: [f64; 2],
 }
 
-/// The reduction of one field.
+/// The reduction of displacement and velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FieldReport {
     /// K^x, the translation included.
     pub space_rank: usize,
     /// K^c.
     pub parameter_rank: usize,
-    /// Root-mean-square error over nodes, instants and samples that the space modes leave, in l or V.
+    /// Controls of the splines in time.
+    pub controls: usize,
+    /// Rows of the core in 16 and in 8 bits.
+    pub rows: [usize; 2],
+    /// Modes of the translation.
+    pub axial_rank: usize,
+    /// Root-mean-square error of the displacement over nodes, instants and samples that the space modes leave, in l.
     pub space_error: f64,
     /// That which the parameter modes leave.
     pub parameter_error: f64,
@@ -162,13 +166,7 @@ pub fn build<'a>(
             errors.bound_factors = Numbers::column(factors);
         }
         let floors = built.parts.errors.each_ref().map(|errors| errors.floor);
-        let [displacement, velocity] = &built.pods;
-        for (matrix, values) in [
-            ("S_u", &displacement.parameter_values),
-            ("T_u", &displacement.space_values),
-            ("S_v", &velocity.parameter_values),
-            ("T_v", &velocity.space_values),
-        ] {
+        for (matrix, values) in [("S", &built.pod.parameter_values), ("T", &built.pod.space_values)] {
             spectra.push(Spectrum {
                 matrix,
                 cluster: Some(cluster.part.range),
@@ -178,8 +176,7 @@ pub fn build<'a>(
         reports.push(ClusterReport {
             range: cluster.part.range,
             samples: cluster.part.members.len(),
-            displacement: field_report(&cluster.displacement, displacement),
-            velocity: field_report(&cluster.velocity, velocity),
+            field: field_report(&cluster.snapshots, &built.pod),
             floor: floors,
         });
         parts.push(built.parts);
@@ -236,6 +233,12 @@ fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
     FieldReport {
         space_rank: space + 1,
         parameter_rank: parameter,
+        controls: pod.slices.len(),
+        rows: [
+            pod.slices.iter().map(|slice| slice.coarse).sum(),
+            pod.slices.iter().map(|slice| slice.rows.nrows() - slice.coarse).sum(),
+        ],
+        axial_rank: pod.axial_modes.ncols(),
         space_error: snapshots.error_beyond(&pod.space_values, space, samples),
         parameter_error: snapshots.error_beyond(&pod.parameter_values, parameter, samples),
     }
@@ -272,14 +275,13 @@ pub(crate) struct Plan<'a> {
 /// The snapshots of a cluster in a common basis.
 pub(crate) struct Reduced {
     pub(crate) part: Part,
-    displacement: Snapshots,
-    velocity: Snapshots,
+    snapshots: Snapshots,
 }
 
 /// A cluster built from some of its samples.
 pub(crate) struct Built {
     pub(crate) parts: ClusterParts,
-    pods: [DoublePod; 2],
+    pod: DoublePod,
 }
 
 impl<'a> Plan<'a> {
@@ -400,61 +402,36 @@ impl<'a> Plan<'a> {
         within.all(|within| within) && (self.brackets.is_empty() || below_limit())
     }
 
-    /// How displacement and velocity are truncated.
-    fn rules(&self) -> [Rule; 2] {
-        match self.settings.truncation {
-            Truncation::Tolerance { displacement, velocity } => [displacement, velocity].map(Rule::Tolerance),
-            Truncation::Ranks { displacement, velocity } => [displacement, velocity].map(Rule::Ranks),
-        }
-    }
-
     /// The snapshots of each cluster.
     pub(crate) fn reduce(&self) -> Result<Vec<Reduced>, OfflineError> {
         let reduce = |part: &Part| {
-            let samples = || part.members.iter().map(|j| &self.samples[*j]);
-            let [first, second] = self.rules();
-            let (displacement, velocity) = rayon::join(
-                || {
-                    Snapshots::new(
-                        &samples().map(|s| &s.displacement).collect::<Vec<_>>(),
-                        self.nodes,
-                        first,
-                    )
-                },
-                || Snapshots::new(&samples().map(|s| &s.velocity).collect::<Vec<_>>(), self.nodes, second),
-            );
+            let samples = part.members.iter().map(|j| &self.samples[*j]);
+            let states: Vec<_> = samples.map(|s| [&s.displacement, &s.velocity]).collect();
             Ok(Reduced {
                 part: part.clone(),
-                displacement: displacement?,
-                velocity: velocity?,
+                snapshots: Snapshots::new(&states, &self.domain.times, self.nodes, self.settings.truncation)?,
             })
         };
-        self.parts.iter().map(reduce).collect()
+        self.parts.par_iter().map(reduce).collect()
     }
 
     /// Builds a cluster from those of its samples whose places are in `keep`.
     pub(crate) fn cluster(&self, cluster: &Reduced, keep: &[usize]) -> Result<Built, OfflineError> {
-        let rules = self.rules();
-        let displacement = cluster.displacement.reduce(keep, rules[0])?;
-        let velocity = cluster.velocity.reduce(keep, rules[1])?;
+        let pod = cluster.snapshots.reduce(keep)?;
         let parameters: Vec<&[f64]> = keep
             .iter()
             .map(|j| &self.samples[cluster.part.members[*j]].parameters[..])
             .collect();
-        let fields = [(&cluster.displacement, &displacement), (&cluster.velocity, &velocity)];
-        let errors = self.error_times().len();
         let parts = ClusterParts::new(
             cluster.part.range,
             &parameters,
-            fields,
+            &cluster.snapshots,
+            &pod,
             &self.mesh,
-            errors,
+            self.error_times().len(),
             self.settings.storage,
         );
-        Ok(Built {
-            parts,
-            pods: [displacement, velocity],
-        })
+        Ok(Built { parts, pod })
     }
 
     pub(crate) fn write(&self, clusters: &[&ClusterParts]) -> Result<Vec<u8>, OfflineError> {

@@ -24,6 +24,7 @@ mod pod;
 mod samples;
 mod settings;
 mod spectra;
+mod splines;
 mod subsets;
 mod svd;
 mod writer;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::OfflineError;
 
 /// The largest rank that is kept: the default capacity of the core's workspace.
-pub(crate) const MAX_RANK: usize = 64;
+pub(crate) const MAX_RANK: usize = 96;
 
 /// Settings of the offline stage; the default is what the shipped model is built with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -71,34 +71,24 @@ pub enum Design {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Truncation {
-    /// As many as bring the error of each basis below a tolerance (root mean square over nodes, instants and samples),
-    /// but no more than the core holds.
-    Tolerance {
-        /// For the displacement, in l.
-        displacement: f64,
-        /// For the velocity, in V.
-        velocity: f64,
-    },
+    /// As many as bring the error of the displacement by each basis below a tolerance, in l (root mean square over nodes,
+    /// instants and samples), but no more than the core holds.
+    Tolerance(f64),
     /// As many as are asked for, like the paper.
-    Ranks {
-        /// Of the displacement.
-        displacement: Ranks,
-        /// Of the velocity.
-        velocity: Ranks,
-    },
+    Ranks(Ranks),
 }
 
-/// How modes and the shape's coefficients are stored.
+/// How modes and core are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Storage {
     /// As binary32.
     Single,
-    /// As 16-bit integers with a unit for each column: half the size.
+    /// As integers of 16 and 8 bits with a unit for each column or row.
     Integer,
 }
 
-/// The truncation ranks of one field.
+/// The truncation ranks, of displacement and velocity together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Ranks {
     /// Space modes, K^x, the translation included.
@@ -108,17 +98,19 @@ pub struct Ranks {
 }
 
 impl Truncation {
-    /// The ranks of the paper (section 4.5): 40 and 40 for the displacement, 50 and 50 for the velocity.
-    pub const PAPER: Truncation = Truncation::Ranks {
-        displacement: Ranks {
-            space: 40,
-            parameter: 40,
-        },
-        velocity: Ranks {
-            space: 50,
-            parameter: 50,
-        },
-    };
+    /// The ranks of the paper (section 4.5) for the velocity, 50 and 50; those for the displacement are 40 and 40.
+    pub const PAPER: Truncation = Truncation::Ranks(Ranks {
+        space: 50,
+        parameter: 50,
+    });
+
+    /// The tolerance, if there is one.
+    pub(crate) fn tolerance(self) -> Option<f64> {
+        match self {
+            Truncation::Tolerance(tolerance) => Some(tolerance),
+            Truncation::Ranks(_) => None,
+        }
+    }
 }
 
 impl Default for Settings {
@@ -134,10 +126,7 @@ impl Default for Settings {
                 parameter: 1,
                 value: 0.9,
             }),
-            truncation: Truncation::Tolerance {
-                displacement: 2e-5,
-                velocity: 2e-4,
-            },
+            truncation: Truncation::Tolerance(5e-5),
             storage: Storage::Integer,
             spacing: 0.05,
             kernel: Kernel {
@@ -162,15 +151,12 @@ impl Default for Settings {
 const ERROR_INSTANTS: usize = 8;
 
 impl Settings {
-    /// The settings for other people's data: tolerances 1e-4 of the capsule's radius and 1e-3 of the root-mean-square
-    /// velocity, distances in which all parameters have the same range, and one cluster.
+    /// The settings for other people's data: a tolerance of 1e-4 of the capsule's radius, distances in which all parameters have the same range, and one cluster.
     ///
     /// # Errors
     /// [`OfflineError::Database`] for a surface that encloses no volume.
     pub fn of_collection(collection: &Collection) -> Result<Self, OfflineError> {
         let (_, radius) = collection.reference()?;
-        let velocities = || collection.velocities.iter().flatten().flatten();
-        let square = velocities().flatten().map(|v| v * v).sum::<f64>() / velocities().count() as f64;
         let domain = collection.ranges();
         let mut scales = [1.0; MAX_PARAMETERS];
         for (scale, [low, high]) in scales.iter_mut().zip(&domain) {
@@ -194,10 +180,7 @@ impl Settings {
             membrane_law: "not stated".to_owned(),
             domain,
             split: None,
-            truncation: Truncation::Tolerance {
-                displacement: 1e-4 * radius,
-                velocity: 1e-3 * square.sqrt(),
-            },
+            truncation: Truncation::Tolerance(1e-4 * radius),
             kernel: Kernel {
                 neighbours: kernel,
                 scales,
@@ -229,26 +212,15 @@ impl Settings {
             return bad("split", value, "a finite value of one of the parameters");
         }
         match self.truncation {
-            Truncation::Tolerance { displacement, velocity } => {
-                for (name, value) in [
-                    ("displacement tolerance", displacement),
-                    ("velocity tolerance", velocity),
-                ] {
-                    if !(value.is_finite() && value >= 0.0) {
-                        return bad(name, value, "a number that is not negative");
-                    }
+            Truncation::Tolerance(tolerance) => {
+                if !(tolerance.is_finite() && tolerance >= 0.0) {
+                    return bad("tolerance", tolerance, "a number that is not negative");
                 }
             }
-            Truncation::Ranks { displacement, velocity } => {
-                let ranks = [
-                    ("displacement space rank", displacement.space),
-                    ("displacement parameter rank", displacement.parameter),
-                    ("velocity space rank", velocity.space),
-                    ("velocity parameter rank", velocity.parameter),
-                ];
-                for (name, value) in ranks {
+            Truncation::Ranks(Ranks { space, parameter }) => {
+                for (name, value) in [("space rank", space), ("parameter rank", parameter)] {
                     if !(1..=MAX_RANK).contains(&value) {
-                        return bad(name, value as f64, "a rank from 1 to 64");
+                        return bad(name, value as f64, "a rank from 1 to 96");
                     }
                 }
             }

@@ -10,9 +10,9 @@ use crate::svd::left_singular;
 /// The singular values of one of the paper's matrices.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spectrum {
-    /// `S_u`, `S_v` (parameters, eq. 15) or `T_u`, `T_v` (space, eq. 17).
+    /// `S_u`, `S_v` (parameters, eq. 15) or `T_u`, `T_v` (space, eq. 17); S and T of a cluster hold both fields.
     pub matrix: &'static str,
-    /// The confinements of the cluster, with shapes in the centroid's frame and S including the translation; `None` for
+    /// The confinements of the cluster, with shapes in the centroid's frame; `None` for
     /// the whole database in the laboratory frame, as in the paper.
     pub cluster: Option<[f64; 2]>,
     /// Descending.

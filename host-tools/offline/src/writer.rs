@@ -8,7 +8,7 @@ use capsule_core::{DIAGONAL, MIDPLANE};
 use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
 
-use crate::pod::{DoublePod, Snapshots, product};
+use crate::pod::{DoublePod, Slice, Snapshots};
 use crate::settings::Storage;
 use crate::{LeftOut, OfflineError, Settings};
 
@@ -36,30 +36,50 @@ impl Numbers {
         }
     }
 
-    /// As [`Numbers::new`], in the storage that is asked for.
-    fn stored(storage: Storage, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
+    /// As [`Numbers::new`], as integers in units of the columns if the storage is so.
+    fn in_columns(storage: Storage, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
         if storage == Storage::Single {
             return Numbers::new(rows, columns, value);
         }
-        let largest = |j| (0..rows).map(|i| value(i, j).abs()).fold(0.0, f64::max);
-        let units: Vec<f32> = (0..columns)
-            .map(|j| (largest(j) / f64::from(i16::MAX)) as f32)
-            .collect();
+        let greatest = |j| (0..rows).map(|i| value(i, j).abs()).fold(0.0, f64::max);
+        let units: Vec<f32> = (0..columns).map(|j| unit(greatest(j), i16::MAX.into())).collect();
         let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
         for i in 0..rows {
-            for (j, unit) in units.iter().enumerate() {
-                let integer = if *unit > 0.0 {
-                    value(i, j) / f64::from(*unit)
-                } else {
-                    0.0
-                };
-                bytes.extend((integer.round() as i16).to_le_bytes());
-            }
+            let integers = units.iter().enumerate().map(|(j, unit)| integer(value(i, j), *unit));
+            bytes.extend(integers.flat_map(|integer| (integer as i16).to_le_bytes()));
         }
         Numbers {
             rows,
             columns,
             encoding: Encoding::I16,
+            bytes,
+        }
+    }
+
+    /// Rows as integers in units of their own, if the storage is so.
+    fn in_rows(storage: Storage, encoding: Encoding, columns: usize, rows: &[Vec<f64>]) -> Self {
+        if storage == Storage::Single {
+            return Numbers::new(rows.len(), columns, |i, j| rows[i][j]);
+        }
+        let small = encoding == Encoding::I8Rows;
+        let most = if small { i8::MAX.into() } else { i16::MAX.into() };
+        let greatest = |row: &Vec<f64>| row.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+        let units: Vec<f32> = rows.iter().map(|row| unit(greatest(row), most)).collect();
+        let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
+        for (row, unit) in rows.iter().zip(&units) {
+            for value in row {
+                let integer = integer(*value, *unit);
+                if small {
+                    bytes.extend((integer as i8).to_le_bytes());
+                } else {
+                    bytes.extend((integer as i16).to_le_bytes());
+                }
+            }
+        }
+        Numbers {
+            rows: rows.len(),
+            columns,
+            encoding,
             bytes,
         }
     }
@@ -88,6 +108,20 @@ impl Numbers {
 
     fn matrix(&self) -> Matrix<'_> {
         Matrix::new(self.rows as u32, self.columns as u32, self.encoding, &self.bytes)
+    }
+}
+
+/// The unit in which the greatest number is the greatest integer.
+fn unit(greatest: f64, most: f64) -> f32 {
+    (greatest / most) as f32
+}
+
+/// The nearest multiple of a unit. The unit is rounded, so it may be one more than the greatest; casts saturate.
+fn integer(value: f64, unit: f32) -> f64 {
+    if unit > 0.0 {
+        (value / f64::from(unit)).round()
+    } else {
+        0.0
     }
 }
 
@@ -260,22 +294,41 @@ impl ErrorParts {
 #[derive(Clone)]
 struct FieldParts {
     modes: Numbers,
-    translation: Numbers,
-    coefficients: Numbers,
     parameter_modes: Numbers,
+    knots: Numbers,
+    slices: Vec<u8>,
+    coarse: Numbers,
+    fine: Numbers,
+    axial_controls: Numbers,
+    axial_modes: Numbers,
 }
 
 impl FieldParts {
-    fn new(modes: &Mat<f64>, pod: &DoublePod, scales: &[f64], storage: Storage) -> Self {
-        let (rank, columns) = (pod.modes.ncols(), pod.parameter_modes.ncols());
-        let coefficients = &pod.coefficients;
+    fn new(snapshots: &Snapshots, pod: &DoublePod, scales: &[f64], storage: Storage) -> Self {
+        let modes = snapshots.modes_at_nodes(pod);
+        let columns = pod.parameter_modes.ncols();
+        let row = |slice: &Slice, k: usize| (0..columns).map(|l| slice.rows[(k, l)]).collect::<Vec<f64>>();
+        let (mut slices, mut coarse, mut fine) = (Vec::new(), Vec::new(), Vec::new());
+        for slice in &pod.slices {
+            let rows = slice.rows.nrows();
+            coarse.extend((0..slice.coarse).map(|k| row(slice, k)));
+            fine.extend((slice.coarse..rows).map(|k| row(slice, k)));
+            slices.extend([slice.coarse as u32, (rows - slice.coarse) as u32]);
+        }
+        let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
         FieldParts {
-            modes: Numbers::stored(storage, modes.nrows(), rank, |row, k| modes[(row, k)] / scales[row / 3]),
-            translation: Numbers::new(coefficients.len(), columns, |i, l| coefficients[i][(0, l)]),
-            coefficients: Numbers::stored(storage, coefficients.len() * rank, columns, |row, l| {
-                coefficients[row / rank][(1 + row % rank, l)]
+            modes: Numbers::in_columns(storage, modes.nrows(), modes.ncols(), |row, k| {
+                modes[(row, k)] / scales[row / 3]
             }),
-            parameter_modes: Numbers::new(pod.parameter_modes.nrows(), columns, |j, l| pod.parameter_modes[(j, l)]),
+            parameter_modes: Numbers::in_columns(storage, pod.parameter_modes.nrows(), columns, |j, l| {
+                pod.parameter_modes[(j, l)]
+            }),
+            knots: Numbers::column(snapshots.knots()),
+            slices: indices(&slices),
+            coarse: Numbers::in_rows(storage, Encoding::I16Rows, columns, &coarse),
+            fine: Numbers::in_rows(storage, Encoding::I8Rows, columns, &fine),
+            axial_controls: dense(&pod.axial_controls),
+            axial_modes: dense(&pod.axial_modes),
         }
     }
 
@@ -283,6 +336,7 @@ impl FieldParts {
     fn without(&self, out: &[usize]) -> Self {
         FieldParts {
             parameter_modes: self.parameter_modes.without(out),
+            axial_modes: self.axial_modes.without(out),
             ..self.clone()
         }
     }
@@ -290,10 +344,28 @@ impl FieldParts {
     fn wire(&self) -> Field<'_> {
         Field {
             modes: self.modes.matrix(),
-            translation: self.translation.matrix(),
-            coefficients: self.coefficients.matrix(),
             parameter_modes: self.parameter_modes.matrix(),
+            knots: self.knots.matrix(),
+            slices: Blob::new(&self.slices),
+            coarse: self.coarse.matrix(),
+            fine: self.fine.matrix(),
+            axial_controls: self.axial_controls.matrix(),
+            axial_modes: self.axial_modes.matrix(),
         }
+    }
+
+    /// Bytes of its arrays.
+    fn length(&self) -> usize {
+        let arrays = [
+            &self.modes,
+            &self.parameter_modes,
+            &self.knots,
+            &self.coarse,
+            &self.fine,
+            &self.axial_controls,
+            &self.axial_modes,
+        ];
+        self.slices.len() + arrays.map(|array| array.bytes.len()).iter().sum::<usize>()
     }
 }
 
@@ -301,31 +373,23 @@ impl FieldParts {
 pub(crate) struct ClusterParts {
     range: [f64; 2],
     samples: Numbers,
-    displacement: FieldParts,
-    velocity: FieldParts,
-    cross_product: Numbers,
+    field: FieldParts,
     /// Of the direct method and of the paper's.
     pub(crate) errors: [ErrorParts; 2],
 }
 
 impl ClusterParts {
-    /// The cluster of the samples at `parameters`, from the double PODs of its two fields; errors unknown.
+    /// The cluster of the samples at `parameters`, from their double POD; errors unknown.
     pub(crate) fn new(
         range: [f64; 2],
         parameters: &[&[f64]],
-        [displacement, velocity]: [(&Snapshots, &DoublePod); 2],
+        snapshots: &Snapshots,
+        pod: &DoublePod,
         mesh: &MeshParts,
         error_times: usize,
         storage: Storage,
     ) -> Self {
         let unknown = || ErrorParts::unknown(parameters.len(), error_times);
-        let [modes_u, modes_v] = [displacement, velocity].map(|(snapshots, pod)| snapshots.modes_at_nodes(pod));
-        let shape = product(&modes_u.transpose().to_owned(), &modes_v);
-        let cross_product = Numbers::new(shape.nrows() + 1, shape.ncols() + 1, |k, l| match (k, l) {
-            (0, 0) => 1.0,
-            (0, _) | (_, 0) => 0.0,
-            _ => shape[(k - 1, l - 1)],
-        });
         ClusterParts {
             range,
             samples: Numbers::new(
@@ -333,9 +397,7 @@ impl ClusterParts {
                 parameters.first().map_or(0, |row| row.len()),
                 |j, d| parameters[j][d],
             ),
-            displacement: FieldParts::new(&modes_u, displacement.1, &mesh.scales, storage),
-            velocity: FieldParts::new(&modes_v, velocity.1, &mesh.scales, storage),
-            cross_product,
+            field: FieldParts::new(snapshots, pod, &mesh.scales, storage),
             errors: [unknown(), unknown()],
         }
     }
@@ -344,10 +406,8 @@ impl ClusterParts {
     pub(crate) fn without(&self, out: &[usize]) -> Self {
         ClusterParts {
             samples: self.samples.without(out),
-            displacement: self.displacement.without(out),
-            velocity: self.velocity.without(out),
+            field: self.field.without(out),
             errors: self.errors.each_ref().map(|errors| errors.without(out)),
-            cross_product: self.cross_product.clone(),
             range: self.range,
         }
     }
@@ -357,9 +417,7 @@ impl ClusterParts {
             min: self.range[0],
             max: self.range[1],
             samples: self.samples.matrix(),
-            displacement: self.displacement.wire(),
-            velocity: self.velocity.wire(),
-            cross_product: self.cross_product.matrix(),
+            field: self.field.wire(),
             direct_errors: self.errors[0].wire(),
             paper_errors: self.errors[1].wire(),
         }
@@ -471,16 +529,7 @@ pub(crate) fn write(
         + limit.bytes.len()
         + border.bytes.len();
     for cluster in clusters {
-        for field in [&cluster.displacement, &cluster.velocity] {
-            let arrays = [
-                &field.modes,
-                &field.translation,
-                &field.coefficients,
-                &field.parameter_modes,
-            ];
-            room += arrays.map(|array| array.bytes.len()).iter().sum::<usize>();
-        }
-        room += cluster.samples.bytes.len() + cluster.cross_product.bytes.len();
+        room += cluster.field.length() + cluster.samples.bytes.len();
         room += cluster
             .errors
             .iter()

@@ -86,10 +86,7 @@ fn family(dimensions: usize, samples: usize) -> Collection {
 /// Without truncation to speak of.
 fn settings(collection: &Collection) -> Settings {
     Settings {
-        truncation: Truncation::Tolerance {
-            displacement: 1e-6,
-            velocity: 1e-6,
-        },
+        truncation: Truncation::Tolerance(1e-6),
         storage: Storage::Single,
         ..Settings::of_collection(collection).unwrap()
     }

@@ -8,7 +8,7 @@ use capsule_core::model::wire::Method;
 use capsule_core::{Domain, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::{Database, Description, Status};
 use capsule_offline::{
-    Design, OfflineError, Settings, Split, Storage, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric,
+    Design, OfflineError, Ranks, Settings, Split, Storage, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric,
 };
 use grid::database;
 use support::{octahedral, trajectory};
@@ -17,10 +17,7 @@ fn settings() -> Settings {
     Settings {
         // Snapshots are 0.2 apart, up to t = 2.
         error_times: vec![0.1, 1.0, 2.0, 8.0],
-        truncation: Truncation::Tolerance {
-            displacement: 1e-6,
-            velocity: 1e-6,
-        },
+        truncation: Truncation::Tolerance(1e-6),
         storage: Storage::Single,
         ..Settings::default()
     }
@@ -63,10 +60,10 @@ fn the_model_returns_the_family_between_its_samples() {
     // Two shape modes and the translation; 1, Ca, a/l and its square in the parameters.
     for cluster in &report.clusters {
         assert_eq!(cluster.samples, 15);
-        assert!(cluster.displacement.space_rank <= 5, "{cluster:?}");
-        assert!(cluster.displacement.parameter_rank <= 4, "{cluster:?}");
+        assert!(cluster.field.space_rank <= 5, "{cluster:?}");
+        assert!(cluster.field.parameter_rank <= 4, "{cluster:?}");
         assert!(
-            cluster.displacement.space_error < 1e-6 && cluster.velocity.parameter_error < 1e-6,
+            cluster.field.space_error < 1e-6 && cluster.field.parameter_error < 1e-6,
             "{cluster:?}"
         );
     }
@@ -172,11 +169,7 @@ fn equal_input_gives_equal_bytes() {
 fn ranks_are_kept_as_asked() {
     let directory = tempfile::tempdir().unwrap();
     let database = database(directory.path());
-    let ranks = |space, parameter| capsule_offline::Ranks { space, parameter };
-    let truncation = Truncation::Ranks {
-        displacement: ranks(2, 3),
-        velocity: ranks(3, 2),
-    };
+    let truncation = Truncation::Ranks(Ranks { space: 2, parameter: 3 });
     let (_, report) = build(
         &database,
         &Settings {
@@ -188,10 +181,9 @@ fn ranks_are_kept_as_asked() {
     .unwrap();
     let cluster = &report.clusters[0];
     assert_eq!(
-        (cluster.displacement.space_rank, cluster.displacement.parameter_rank),
+        (cluster.field.space_rank, cluster.field.parameter_rank),
         (2, 3)
     );
-    assert_eq!((cluster.velocity.space_rank, cluster.velocity.parameter_rank), (3, 2));
     let spectrum = report
         .spectra
         .iter()

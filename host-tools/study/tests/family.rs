@@ -14,10 +14,7 @@ fn quiet(_: &str, _: usize, _: usize) {}
 
 /// Without truncation to speak of.
 fn settings() -> Settings {
-    let truncation = Truncation::Tolerance {
-        displacement: 1e-6,
-        velocity: 1e-6,
-    };
+    let truncation = Truncation::Tolerance(1e-6);
     Settings {
         truncation,
         storage: Storage::Single,

@@ -160,14 +160,10 @@ pub(super) fn rows(subject: &Subject, folder: &Path) -> Result<(Vec<Row>, Check)
         )?;
     }
     for rank in [8, 64] {
-        let ranks = Ranks {
+        let truncation = Truncation::Ranks(Ranks {
             space: rank,
             parameter: rank,
-        };
-        let truncation = Truncation::Ranks {
-            displacement: ranks,
-            velocity: ranks,
-        };
+        });
         let (bytes, _) = small.build(folder, small.times(), Some(truncation), small.samples.clone())?;
         add(&mut rows, "ranks asked for", rank as f64, &bytes)?;
     }
