@@ -50,10 +50,6 @@ impl TimeFit {
     /// instant in it, both its ends are doubled, until the spline is the cubic with the values and rates of the instants.
     pub(crate) fn new(times: &[f64], snapshots: &[Mat<f64>], tolerance: f64) -> Self {
         let count = times.len();
-        let mut gram: Mat<f64> = Mat::zeros(2 * count, 2 * count);
-        for snapshot in snapshots {
-            gram += product(&snapshot.transpose().to_owned(), snapshot);
-        }
         let budget = tolerance * tolerance * snapshots.len() as f64;
         let weights = Self::rate_weights(times);
         let mut multiplicity: Vec<usize> = vec![0; count];
@@ -66,9 +62,14 @@ impl TimeFit {
             let left = Mat::from_fn(2 * count, 2 * count, |a, b| {
                 projected[(a, b)] - if a == b { 1.0 } else { 0.0 }
             });
-            let half = product(&gram, &left);
-            let residual = |row: usize| (0..2 * count).map(|a| left[(a, row)] * half[(a, row)]).sum::<f64>();
-            let bad = |i: usize| residual(i) > budget || residual(count + i) > budget;
+            let mut residual = vec![0.0; 2 * count];
+            for snapshot in snapshots {
+                let left = product(snapshot, &left);
+                for (row, residual) in residual.iter_mut().enumerate() {
+                    *residual += left.col(row).squared_norm_l2();
+                }
+            }
+            let bad = |i: usize| residual[i] > budget || residual[count + i] > budget;
             let ends: Vec<usize> = (0..count).filter(|i| multiplicity[*i] > 0).collect();
             let mut refined = false;
             for interval in ends.windows(2) {
