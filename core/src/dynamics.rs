@@ -137,7 +137,10 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
             Stage::Displacement(learning) => {
                 let wanted = source.settings.displacement_rank.into();
                 let fetch = |instant, out: &mut [T]| source.at_instant(instant, Quantity::Displacement, out);
-                self.stage = match self.displacement.learn(learning, rank, fetch, instants, wanted, scratch) {
+                self.stage = match self
+                    .displacement
+                    .learn(learning, rank, fetch, instants, wanted, scratch)
+                {
                     Some(learning) => Stage::Displacement(learning),
                     None => Stage::Velocity(Learning::START),
                 };

@@ -5,10 +5,10 @@ use crate::error::{EvaluateError, Name};
 use crate::expected_error::{bound_factor, expected_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
+use crate::manifold::Times;
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
 use crate::model::{MatrixView, Model};
-use crate::manifold::Times;
 use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables, axial_radial};
 use crate::reconstruct::{Snapshot, room};
@@ -88,7 +88,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         }
         let field = &cluster.field;
         let Contracted { psi, axial } = &mut workspace.contracted;
-        for (modes, out) in [(&field.parameter_modes, &mut psi[..]), (&field.axial_modes, &mut axial[..])] {
+        for (modes, out) in [
+            (&field.parameter_modes, &mut psi[..]),
+            (&field.axial_modes, &mut axial[..]),
+        ] {
             let modes = MatrixView::new(modes);
             modes.combine(workspace.weights.iter(), part_mut(out, 0..modes.columns()));
         }

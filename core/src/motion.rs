@@ -135,7 +135,9 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         let Some((translation, shape)) = out.split_first_mut() else {
             return;
         };
-        *translation = self.axial_controls.dot(b, part(axial, 0..self.axial_controls.columns()));
+        *translation = self
+            .axial_controls
+            .dot(b, part(axial, 0..self.axial_controls.columns()));
         let end = coarse_rows + fine_rows;
         self.coarse.multiply(coarse, psi, part_mut(shape, 0..coarse_rows));
         self.fine.multiply(fine, psi, part_mut(shape, coarse_rows..end));
@@ -151,12 +153,13 @@ pub(crate) fn leading<T: Real>(coefficients: &[T], length: T) -> usize {
     while count > STEP {
         let shorter = (count - 1) / STEP * STEP;
         let last = part(coefficients, shorter..count);
-        budget = budget - dot(last, last);
+        budget -= dot(last, last);
         // Not a number counts as too much.
-        if !(budget >= T::ZERO) {
+        if budget >= T::ZERO {
+            count = shorter;
+        } else {
             break;
         }
-        count = shorter;
     }
     count
 }
@@ -169,7 +172,13 @@ mod tests {
     fn what_is_left_out_is_shorter_than_allowed() {
         let coefficients: [f64; 21] = core::array::from_fn(|k| 0.5_f64.powi(k as i32));
         let rest = |from: usize| coefficients[from..].iter().map(|c| c * c).sum::<f64>().sqrt();
-        for (length, expected) in [(0.0, 21), (1.01 * rest(16), 16), (0.99 * rest(16), 21), (1.01 * rest(8), 8), (9.0, 8)] {
+        for (length, expected) in [
+            (0.0, 21),
+            (1.01 * rest(16), 16),
+            (0.99 * rest(16), 21),
+            (1.01 * rest(8), 8),
+            (9.0, 8),
+        ] {
             assert_eq!(leading(&coefficients, length), expected);
         }
         assert_eq!(leading(&[f64::NAN; 9], 1.0), 9);

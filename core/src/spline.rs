@@ -44,7 +44,11 @@ impl<T: Real> Splines<T> {
         ];
         // The rate of a spline of degree 3 is 3 times the difference of those of degree 2 over their supports (X.12).
         let three = T::from_f32(3.0);
-        let slopes = [three * two[0] / (d - a), three * two[1] / (e - b), three * two[2] / (f - c)];
+        let slopes = [
+            three * two[0] / (d - a),
+            three * two[1] / (e - b),
+            three * two[2] / (f - c),
+        ];
         let rates = [-slopes[0], slopes[0] - slopes[1], slopes[1] - slopes[2], slopes[2]];
         Self {
             first: low - (ORDER - 1),

@@ -202,7 +202,10 @@ fn wrong_dimensions_are_refused() {
         }
     };
     let more_than_modes = refused(slices(9));
-    assert!(matches!(more_than_modes, OpenError::Index { what: "slices", .. }), "{more_than_modes}");
+    assert!(
+        matches!(more_than_modes, OpenError::Index { what: "slices", .. }),
+        "{more_than_modes}"
+    );
     dimension("coarse rows of the core")(refused(slices(1)));
 }
 

@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 // The most modes of a field that a workspace holds, the translation included.
-#define CAPSULE_MOST_MODES 64
+#define CAPSULE_MOST_MODES 96
 
 // The most local modes of a field that a workspace holds.
 #define CAPSULE_MOST_LOCAL_MODES 16

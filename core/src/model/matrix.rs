@@ -60,7 +60,10 @@ impl<'a> MatrixView<'a> {
             Encoding::F32 => (Units::One, singles(data)),
             Encoding::I16 => (Units::OfColumns(units), Entries::Shorts(data.as_chunks().0)),
             Encoding::I16Rows => (Units::OfRows(units), Entries::Shorts(data.as_chunks().0)),
-            Encoding::I8Rows => (Units::OfRows(units), Entries::Small(bytemuck::try_cast_slice(data).unwrap_or_default())),
+            Encoding::I8Rows => (
+                Units::OfRows(units),
+                Entries::Small(bytemuck::try_cast_slice(data).unwrap_or_default()),
+            ),
         };
         Self {
             rows,
@@ -118,7 +121,7 @@ impl<'a> MatrixView<'a> {
     pub(crate) fn scale<T: Real>(&self, x: &mut [T]) {
         for (column, x) in x.iter_mut().enumerate() {
             if let Some(unit) = self.units.of_column(column) {
-                *x = *x * T::from_f32(unit);
+                *x *= T::from_f32(unit);
             }
         }
     }
@@ -153,7 +156,9 @@ impl<'a> MatrixView<'a> {
                 Entries::Bytes(entries) => add_by(out, factor, part(entries, range), |entry| {
                     T::from_f32(f32::from_le_bytes(entry))
                 }),
-                Entries::Shorts(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(short(entry))),
+                Entries::Shorts(entries) => {
+                    add_by(out, factor, part(entries, range), |entry| T::from_f32(short(entry)))
+                }
                 Entries::Small(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(entry.into())),
             }
         }
@@ -201,7 +206,9 @@ impl<'a> Indices<'a> {
     /// The indices two by two.
     pub(crate) fn pairs(self) -> impl Iterator<Item = [usize; 2]> + use<'a> {
         let (pairs, _) = self.0.as_chunks::<2>();
-        pairs.iter().map(|pair| pair.map(|bytes| u16::from_le_bytes(bytes).into()))
+        pairs
+            .iter()
+            .map(|pair| pair.map(|bytes| u16::from_le_bytes(bytes).into()))
     }
 
     /// All indices in order.

@@ -224,7 +224,11 @@ fn field(field: &Field<'_>, nodes: usize, end_time: f32, samples: usize) -> Resu
     matrix("parameter modes", &field.parameter_modes, -LARGEST, LARGEST)?;
     let controls = knots(&field.knots, end_time)?;
     for rows in [&field.coarse, &field.fine] {
-        dimension("columns of the core", field.parameter_modes.columns as usize, rows.columns)?;
+        dimension(
+            "columns of the core",
+            field.parameter_modes.columns as usize,
+            rows.columns,
+        )?;
         matrix("core", rows, -LARGEST, LARGEST)?;
     }
     slices(field, controls)?;

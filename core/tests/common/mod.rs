@@ -405,7 +405,7 @@ impl Family {
         let instant = |i: usize| f64::from(self.times[i]);
         let t = instant(b / 2);
         let [value, rate] = self.coefficient(k, t);
-        let ahead = if b % 2 == 0 {
+        let ahead = if b.is_multiple_of(2) {
             (b / 2).checked_sub(1).map_or(0.0, |before| instant(before) - t)
         } else {
             self.times.get(b / 2 + 1).map_or(0.0, |&after| f64::from(after) - t)

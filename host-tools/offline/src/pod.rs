@@ -75,9 +75,11 @@ impl Snapshots {
     ) -> Result<Self, OfflineError> {
         let weights = TimeFit::rate_weights(times);
         let joined = |[u, v]: &[&State; 2]| {
-            let mut joined = Mat::from_fn(u.shape.nrows(), 2 * times.len(), |r, i| match i.checked_sub(times.len()) {
-                None => u.shape[(r, i)],
-                Some(i) => weights[i] * v.shape[(r, i)],
+            let mut joined = Mat::from_fn(u.shape.nrows(), 2 * times.len(), |r, i| {
+                match i.checked_sub(times.len()) {
+                    None => u.shape[(r, i)],
+                    Some(i) => weights[i] * v.shape[(r, i)],
+                }
             });
             TimeFit::limit_start(&mut joined);
             joined
@@ -317,7 +319,10 @@ mod tests {
             assert!(orthonormal(&modes) < 1e-12 && orthonormal(&pod.parameter_modes) < 1e-12);
             let [shape, translation] = errors_at_ends(&states, &snapshots, &pod);
             // The tolerance is a mean over the instants, of which these are two.
-            assert!(shape < 4.0 * tolerance && translation < 2.0 * tolerance, "{tolerance} {shape:e} {translation:e}");
+            assert!(
+                shape < 4.0 * tolerance && translation < 2.0 * tolerance,
+                "{tolerance} {shape:e} {translation:e}"
+            );
             assert!(snapshots.error_beyond(&pod.space_values, pod.modes.ncols(), 5) <= tolerance);
             sizes.push((pod.modes.ncols(), pod.slices.len()));
         }
@@ -339,7 +344,9 @@ mod tests {
         let graded = graded(slice.to_owned(), 1e-6);
         let end = graded.rows.nrows();
         let square = |rows: std::ops::Range<usize>| -> f64 {
-            rows.flat_map(|k| (0..7).map(move |l| (k, l))).map(|(k, l)| slice[(k, l)].powi(2)).sum()
+            rows.flat_map(|k| (0..7).map(move |l| (k, l)))
+                .map(|(k, l)| slice[(k, l)].powi(2))
+                .sum()
         };
         assert!(square(end..20) <= 1e-6 && square(end - 1..20) > 1e-6);
         let rounded: f64 = (graded.coarse..end)
@@ -350,7 +357,11 @@ mod tests {
                     .sum::<f64>()
             })
             .sum();
-        assert!(rounded < 2e-6 && 0 < graded.coarse && graded.coarse < end, "{rounded:e} {} {end}", graded.coarse);
+        assert!(
+            rounded < 2e-6 && 0 < graded.coarse && graded.coarse < end,
+            "{rounded:e} {} {end}",
+            graded.coarse
+        );
     }
 
     #[test]
@@ -367,9 +378,13 @@ mod tests {
     #[test]
     fn a_subset_is_reduced_as_if_the_rest_had_never_been() {
         let mut states = states();
-        let whole = snapshots(&states, Truncation::Tolerance(1e-6)).reduce(&[0, 1, 3, 4]).unwrap();
+        let whole = snapshots(&states, Truncation::Tolerance(1e-6))
+            .reduce(&[0, 1, 3, 4])
+            .unwrap();
         states.remove(2);
-        let alone = snapshots(&states, Truncation::Tolerance(1e-6)).reduce(&[0, 1, 2, 3]).unwrap();
+        let alone = snapshots(&states, Truncation::Tolerance(1e-6))
+            .reduce(&[0, 1, 2, 3])
+            .unwrap();
         for (a, b) in whole.space_values.iter().zip(&alone.space_values) {
             assert!((a - b).abs() < 1e-6 * whole.space_values[0], "{a} {b}");
         }

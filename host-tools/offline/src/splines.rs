@@ -127,7 +127,9 @@ fn pinned(design: &Mat<f64>, right: &Mat<f64>, [first, last]: [usize; 2]) -> Mat
         design[(row, 0)] * right[(first, column)] + design[(row, unknowns - 1)] * right[(last, column)]
     };
     let reduced = Mat::from_fn(rows, inner, |row, k| design[(row, k + 1)]);
-    let rest = Mat::from_fn(rows, right.ncols(), |row, column| right[(row, column)] - known(row, column));
+    let rest = Mat::from_fn(rows, right.ncols(), |row, column| {
+        right[(row, column)] - known(row, column)
+    });
     let solution = reduced.col_piv_qr().solve_lstsq(&rest);
     Mat::from_fn(unknowns, right.ncols(), |k, column| match k {
         0 => right[(first, column)],
@@ -180,9 +182,11 @@ mod tests {
     /// Values and weighted rates of functions at instants.
     fn snapshots(times: &[f64], functions: &[fn(f64) -> [f64; 2]]) -> Mat<f64> {
         let weights = TimeFit::rate_weights(times);
-        Mat::from_fn(functions.len(), 2 * times.len(), |r, i| match i.checked_sub(times.len()) {
-            None => functions[r](times[i])[0],
-            Some(i) => weights[i] * functions[r](times[i])[1],
+        Mat::from_fn(functions.len(), 2 * times.len(), |r, i| {
+            match i.checked_sub(times.len()) {
+                None => functions[r](times[i])[0],
+                Some(i) => weights[i] * functions[r](times[i])[1],
+            }
         })
     }
 
@@ -222,7 +226,10 @@ mod tests {
             assert!(2 * early >= fit.count() - 4, "{:?}", fit.knots);
             counts.push(fit.count());
         }
-        assert!(counts[0] < counts[1] && counts[1] < counts[2] && counts[2] <= 2 * times.len(), "{counts:?}");
+        assert!(
+            counts[0] < counts[1] && counts[1] < counts[2] && counts[2] <= 2 * times.len(),
+            "{counts:?}"
+        );
     }
 
     #[test]

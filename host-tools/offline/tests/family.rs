@@ -8,7 +8,8 @@ use capsule_core::model::wire::Method;
 use capsule_core::{Domain, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::{Database, Description, Status};
 use capsule_offline::{
-    Design, OfflineError, Ranks, Settings, Split, Storage, Truncation, build, leave_one_out, modified_hausdorff, one_minus_ric,
+    Design, OfflineError, Ranks, Settings, Split, Storage, Truncation, build, leave_one_out, modified_hausdorff,
+    one_minus_ric,
 };
 use grid::database;
 use support::{octahedral, trajectory};
@@ -180,10 +181,7 @@ fn ranks_are_kept_as_asked() {
     )
     .unwrap();
     let cluster = &report.clusters[0];
-    assert_eq!(
-        (cluster.field.space_rank, cluster.field.parameter_rank),
-        (2, 3)
-    );
+    assert_eq!((cluster.field.space_rank, cluster.field.parameter_rank), (2, 3));
     let spectrum = report
         .spectra
         .iter()
