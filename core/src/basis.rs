@@ -115,6 +115,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
 
     /// out <- W^T x: local coordinates of global coefficients.
     pub(crate) fn project(&self, x: &[T], out: &mut [T; M]) {
+        out.fill(T::ZERO);
         for (out, row) in out.iter_mut().zip(self.rows()) {
             *out = dot(part(row, 0..x.len()), x);
         }

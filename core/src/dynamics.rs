@@ -6,7 +6,7 @@
 
 use crate::basis::{Basis, Learning};
 use crate::linalg::{dot, part_mut};
-use crate::manifold::{Manifold, Times};
+use crate::manifold::{Manifold, Snapshot, Times};
 use crate::model::wire::Paper;
 use crate::motion::{Controls, Motion, Quantity};
 use crate::workspace::{Factor, PAPER_MODES};
@@ -106,7 +106,8 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         out: &mut [T],
     ) {
         let alpha = self.state(source, step, t, scratch);
-        let xi = self.equilibrium(source, t, T::ZERO, &alpha);
+        self.enter(source, t);
+        let xi = self.manifold.velocity(t, &alpha);
         self.velocity.lift(&xi, out);
     }
 
@@ -181,12 +182,8 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         start: T,
         length: T,
     ) -> [T; M] {
-        let (u, v, window) = (&self.displacement, &self.velocity, T::from_f64(source.settings.window));
-        let times = source.times;
-        let stiffness = self.manifold.stiffness(&times, window, start, |instant, alpha, xi| {
-            snapshot(source, u, v, instant, alpha, xi);
-        });
-        let parts = (stiffness * length / T::from_f64(STABLE))
+        self.enter(source, start);
+        let parts = (self.manifold.stiffness() * length / T::from_f64(STABLE))
             .to_index()
             .clamp(0, MOST_PARTS - 1)
             + 1;
@@ -198,8 +195,8 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
             for (place, weight) in scheme.stages() {
                 let [ahead, weight] = [*place, *weight].map(|share| T::from_f64(share) * part);
                 let stage = core::array::from_fn(|k| from[k] + ahead * rate[k]);
-                let xi = self.equilibrium(source, t + ahead, part, &stage);
-                rate = core::array::from_fn(|k| dot(&self.q[k], &xi));
+                self.enter(source, t + ahead);
+                rate = self.manifold.rate(t + ahead, part, &stage);
                 alpha = core::array::from_fn(|k| alpha[k] + weight * rate[k]);
             }
         }
@@ -220,64 +217,46 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
 
     /// The state at t = 0: alpha^D(0), which holds the initial shape.
     fn start<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>) {
-        let (u, v) = (&self.displacement, &self.velocity);
+        self.enter(source, T::ZERO);
         self.steps = 0;
-        self.alpha = [T::ZERO; M];
-        snapshot(source, u, v, 0, &mut self.alpha, &mut [T::ZERO; M]);
+        self.alpha = self.manifold.start();
     }
 
-    /// xi = M(alpha, t) (eq. 49), for an Euler step of a length from there.
-    ///
-    /// The manifold is a line through a few snapshots that follow each other. Where these drift apart from their mean it
-    /// amplifies whatever deviates from them, without bound. So the response to the deviation of the state from
-    /// the learned trajectory counts only as far as the step does not enlarge the deviation: then what a step errs is
-    /// added to the errors before it, and never multiplied.
-    fn equilibrium<const K: usize>(
-        &mut self,
-        source: &mut Source<'_, '_, '_, T, K>,
-        t: T,
-        step: T,
-        alpha: &[T; M],
-    ) -> [T; M] {
-        let (u, v) = (&self.displacement, &self.velocity);
-        let (times, window) = (source.times, T::from_f64(source.settings.window));
-        let mut fetch = |instant, alpha: &mut _, xi: &mut _| snapshot(source, u, v, instant, alpha, xi);
-        let learned = self.manifold.trajectory(&times, t, &self.q, &mut fetch);
-        let along = self.manifold.velocity(&times, window, t, &learned, &mut fetch);
-        let here = self.manifold.velocity(&times, window, t, alpha, &mut fetch);
-        let deviation: [T; M] = core::array::from_fn(|k| alpha[k] - learned[k]);
-        let response: [T; M] = core::array::from_fn(|k| here[k] - along[k]);
-        let rate: [T; M] = core::array::from_fn(|k| dot(&self.q[k], &response));
-        // |deviation + step share rate| <= |deviation|
-        let (closing, limit) = (-dot(&deviation, &rate), step * dot(&rate, &rate));
-        let share = if closing <= T::ZERO {
-            T::ZERO
-        } else if closing + closing < limit {
-            (closing + closing) / limit
-        } else {
-            T::ONE
-        };
-        core::array::from_fn(|k| along[k] + share * response[k])
+    /// Brings the learned manifold to `t`.
+    fn enter<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>, t: T) {
+        let Self {
+            displacement,
+            velocity,
+            q,
+            manifold,
+            ..
+        } = self;
+        let (times, width) = (source.times, T::from_f64(source.settings.window));
+        manifold.enter(&times, width, t, |instant, out| {
+            snapshot(source, displacement, velocity, q, instant, out)
+        });
     }
 }
 
-/// alpha^D and xi^D at a stored instant: the pseudo-snapshots in local coordinates.
+/// The pseudo-snapshot at a stored instant in local coordinates.
 fn snapshot<T: Real, const K: usize, const M: usize>(
     source: &mut Source<'_, '_, '_, T, K>,
     displacement: &Basis<T, M>,
     velocity: &Basis<T, M>,
+    q: &[[T; M]; M],
     instant: usize,
-    alpha: &mut [T; M],
-    xi: &mut [T; M],
+    out: &mut Snapshot<T, M>,
 ) {
-    let rank = source.rank();
     let mut global = [T::ZERO; PAPER_MODES];
-    let global = part_mut(&mut global, 0..rank);
+    let global = part_mut(&mut global, 0..source.rank());
     for (quantity, basis, out) in [
-        (Quantity::Displacement, displacement, alpha),
-        (Quantity::Velocity, velocity, xi),
+        (Quantity::Displacement, displacement, &mut out.alpha),
+        (Quantity::Velocity, velocity, &mut out.xi),
     ] {
         source.at_instant(instant, quantity, global);
         basis.project(global, out);
+    }
+    for (rate, q) in out.rate.iter_mut().zip(q) {
+        *rate = dot(q, &out.xi);
     }
 }
