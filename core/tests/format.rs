@@ -4,7 +4,7 @@ mod common;
 #[path = "common/header.rs"]
 mod header;
 
-use capsule_core::model::wire::{Blob, Contents, Matrix, Reference};
+use capsule_core::model::wire::{Blob, Contents, Encoding, Matrix, Reference};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
 use common::{Arena, Family, write};
@@ -355,6 +355,47 @@ fn exercise(bytes: &[u8]) {
     }
 }
 
+/// Any reader of postcard finds the same message in a payload, or none where this one finds none.
+fn read_as_postcard_reads(payload: &[u8]) {
+    let read = with_header(payload);
+    let (read, expected) = (Model::open(&read), postcard::take_from_bytes::<Contents<'_>>(payload));
+    match (read, expected) {
+        (Ok(model), Ok((contents, []))) => assert_eq!(*model.contents(), contents),
+        (Err(OpenError::TrailingBytes { found }), Ok((_, rest))) => assert_eq!(found, rest.len()),
+        (Err(OpenError::Undecodable), Err(_)) => {}
+        (Err(error), Ok((_, []))) if error != OpenError::Undecodable => {}
+        (read, expected) => panic!("{:?} but {expected:?}", read.err()),
+    }
+}
+
+#[test]
+fn the_message_is_postcard() {
+    let family = Family::new(2);
+    let mut arena = Arena::default();
+    let mut contents = family.contents(&mut arena);
+    contents.metadata.created_unix_s = u64::MAX;
+    contents.metadata.title = "a µ-capsule";
+    contents.default_method = Method::Paper;
+    contents.clusters[0].field.modes.encoding = Encoding::I16;
+    read_as_postcard_reads(&write(&contents)[HEADER..]);
+    contents.clusters[0].field.modes.encoding = Encoding::F32;
+    read_as_postcard_reads(&write(&contents)[HEADER..]);
+    contents.steady_limit = Matrix::f32(0, 2, &[]);
+    contents.mesh.reference = Reference::Shape { radius: 0.9 };
+    read_as_postcard_reads(&write(&contents)[HEADER..]);
+
+    let payload = &Family::small().file()[HEADER..];
+    let mut damaged = payload.to_vec();
+    for length in (0..payload.len()).step_by(3) {
+        read_as_postcard_reads(&payload[..length]);
+        for byte in [0, 0x7f, 0x80, 0xff] {
+            damaged[length] = byte;
+            read_as_postcard_reads(&damaged);
+        }
+        damaged[length] = payload[length];
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -362,6 +403,7 @@ proptest! {
     fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
         exercise(&bytes);
         exercise(&with_header(&bytes));
+        read_as_postcard_reads(&bytes);
     }
 
     #[test]
@@ -374,6 +416,7 @@ proptest! {
             // The same with a checksum that agrees.
             let payload = bytes[HEADER..].to_vec();
             exercise(&with_header(&payload));
+            read_as_postcard_reads(&payload);
         });
     }
 }

@@ -44,7 +44,8 @@ pub unsafe extern "C" fn capsule_v1_open(
         // SAFETY: the caller keeps what the module says.
         unsafe {
             model.clear();
-            model.set_up(rom::Model::open(file.values())?);
+            rom::Model::open_in(model.room(), file.values())?;
+            model.set_up();
         }
         Ok(())
     };

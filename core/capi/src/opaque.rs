@@ -3,6 +3,7 @@
 use crate::Status;
 use crate::memory::Buffer;
 use capsule_core as rom;
+use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 
 /// The most modes of a field that a workspace holds, the translation included.
@@ -96,19 +97,28 @@ impl<O: Opaque> Buffer<O> {
         self.start().cast()
     }
 
-    /// Puts a content into the object. Nothing in a content needs to be dropped.
+    /// Room for the content.
     ///
     /// # Safety
     /// The caller of the interface promised that nobody else uses the memory.
-    pub(crate) unsafe fn set_up(self, content: O::Content) {
+    pub(crate) unsafe fn room<'a>(&self) -> &'a mut MaybeUninit<O::Content> {
         // SAFETY: aligned, and large enough.
-        unsafe { self.tagged().write(Tagged { tag: O::TAG, content }) }
+        unsafe { &mut *(&raw mut (*self.tagged().as_ptr()).content).cast() }
+    }
+
+    /// Marks the object as set up.
+    ///
+    /// # Safety
+    /// As [`room`](Self::room), where a content has been written.
+    pub(crate) unsafe fn set_up(self) {
+        // SAFETY: the tag is the first word of the object.
+        unsafe { self.start().cast::<u64>().write(O::TAG) }
     }
 
     /// Marks the object as not set up.
     ///
     /// # Safety
-    /// As [`set_up`](Self::set_up).
+    /// As [`room`](Self::room).
     pub(crate) unsafe fn clear(&self) {
         // SAFETY: the tag is the first word of the object.
         unsafe { self.start().cast::<u64>().write(0) }

@@ -1,5 +1,6 @@
 //! Writing a model file: the header, and pads that align every blob.
 
+use super::read::{Cursor, Part};
 use super::wire::{Blob, Contents};
 use super::{CHECKSUM, HEADER_LENGTH, MAGIC, VERSION};
 use crate::error::EncodeError;
@@ -24,7 +25,8 @@ pub fn encode(contents: &Contents<'_>, buffer: &mut [u8]) -> Result<usize, Encod
     let mut offsets = heapless::Vec::<usize, { Contents::MAX_BLOBS }>::new();
     {
         let origin = payload.as_ptr() as usize;
-        let (mut unpadded, _) = postcard::take_from_bytes::<Contents<'_>>(payload).map_err(|_| too_short)?;
+        let mut unpadded = Contents::default();
+        unpadded.read(&mut Cursor::new(payload));
         unpadded.for_each_blob(&mut |blob| {
             // Cannot fail: MAX_BLOBS counts them all.
             let _ = offsets.push(blob.data.as_ptr() as usize - origin);

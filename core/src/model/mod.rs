@@ -8,6 +8,7 @@ mod curve;
 mod encode;
 mod matrix;
 mod mesh;
+mod read;
 mod validate;
 pub mod wire;
 
@@ -19,7 +20,9 @@ pub(crate) use mesh::apply;
 
 use crate::error::OpenError;
 use crate::{Domain, Parameters, Real};
+use core::mem::MaybeUninit;
 use crc::{CRC_32_ISO_HDLC, Crc};
+use read::{Cursor, Part};
 use wire::{Cluster, Contents, Reference};
 
 /// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole.
@@ -52,14 +55,38 @@ impl<'a> Model<'a> {
     /// # Errors
     /// What is wrong with the file, see [`OpenError`].
     pub fn open(file: &'a [u8]) -> Result<Self, OpenError> {
-        let (payload, digest) = payload(file)?;
-        let (contents, rest) =
-            postcard::take_from_bytes::<Contents<'a>>(payload).map_err(|_| OpenError::Undecodable)?;
-        if !rest.is_empty() {
-            return Err(OpenError::TrailingBytes { found: rest.len() });
+        let mut model = Self::empty();
+        model.read(file)?;
+        Ok(model)
+    }
+
+    /// As [`open`](Self::open), in memory of the caller's: nothing large passes over the stack.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); nothing may be concluded from what the memory holds then.
+    pub fn open_in<'p>(place: &'p mut MaybeUninit<Self>, file: &'a [u8]) -> Result<&'p Self, OpenError> {
+        let model = place.write(Self::empty());
+        model.read(file)?;
+        Ok(model)
+    }
+
+    fn empty() -> Self {
+        Self {
+            contents: Contents::default(),
+            digest: 0,
         }
-        validate::contents(&contents)?;
-        Ok(Self { contents, digest })
+    }
+
+    /// Fills an empty model.
+    fn read(&mut self, file: &'a [u8]) -> Result<(), OpenError> {
+        let (payload, digest) = payload(file)?;
+        self.digest = digest;
+        let mut message = Cursor::new(payload);
+        self.contents.read(&mut message);
+        match message.end().ok_or(OpenError::Undecodable)? {
+            0 => validate::contents(&self.contents),
+            found => Err(OpenError::TrailingBytes { found }),
+        }
     }
 
     /// CRC-32 of the payload: identifies the model.

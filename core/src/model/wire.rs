@@ -21,7 +21,7 @@ pub const MAX_NODE_SETS: usize = 8;
 pub const MAX_PARAMETERS: usize = 4;
 
 /// The whole message.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contents<'a> {
     /// What the model is and where it comes from.
     #[serde(borrow)]
@@ -51,7 +51,7 @@ pub struct Contents<'a> {
 }
 
 /// What the model is and where it comes from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Metadata<'a> {
     /// Title for people.
     pub title: &'a str,
@@ -72,7 +72,7 @@ pub struct Metadata<'a> {
 }
 
 /// Names of the units.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Units<'a> {
     /// Of lengths; `l`, half the channel's side, for a capsule in the channel.
     pub length: &'a str,
@@ -83,7 +83,7 @@ pub struct Units<'a> {
 }
 
 /// One parameter and the range in which the model was sampled.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameter<'a> {
     /// Name, such as `capillary_number`.
     pub name: &'a str,
@@ -94,7 +94,7 @@ pub struct Parameter<'a> {
 }
 
 /// Surface mesh: triangles of degree 2 or 1, stored with what symmetry cannot derive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh<'a> {
     /// Number of nodes N_x of the full mesh.
     pub nodes: u32,
@@ -120,10 +120,11 @@ pub struct Mesh<'a> {
 }
 
 /// The reference state of a mesh: node X contributes `s X` to its position.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Reference {
     /// The unit sphere, which times a/l is the stress-free state: s = a/l, and the parameters are (Ca, a/l). Only here the
     /// mechanics of the membrane is known.
+    #[default]
     Sphere,
     /// Any shape, in the unit of length: s = 1.
     Shape {
@@ -133,7 +134,7 @@ pub enum Reference {
 }
 
 /// A named list of nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NodeSet<'a> {
     /// Name.
     pub name: &'a str,
@@ -143,7 +144,7 @@ pub struct NodeSet<'a> {
 }
 
 /// The double POD of one part of the parameter domain, and its samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cluster<'a> {
     /// Least value of the clusters' parameter that the cluster answers for.
     pub min: f64,
@@ -166,7 +167,7 @@ pub struct Cluster<'a> {
 /// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the rates of
 /// the displacement's. The core's slices G_b `[K - 1, K_c]` are graded: their first rows, which are large, are stored in
 /// more digits than those that follow, and the last ones, which are negligible, not at all.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Field<'a> {
     /// Shape modes `[3 N_s, K - 1]` at the sector nodes (rows x, y, z of node 0, then of node 1 ...), orthonormal over
     /// the FULL mesh.
@@ -190,7 +191,7 @@ pub struct Field<'a> {
 }
 
 /// Leave-one-out errors at the samples of a cluster, by one method.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors<'a> {
     /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`: modified Hausdorff
     /// distance in the laboratory frame, fraction of a.
@@ -205,16 +206,17 @@ pub struct Errors<'a> {
 }
 
 /// How a query is answered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Method {
     /// Interpolated coefficients evaluated at the instant: a quintic kernel in the parameters, cubic splines in time.
+    #[default]
     Direct,
     /// Algorithm 2 of the paper: diffuse approximation, local POD, learned manifold, forward Euler.
     Paper,
 }
 
 /// Settings of the kernel interpolation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u16,
@@ -224,7 +226,7 @@ pub struct Kernel {
 }
 
 /// Settings of Algorithm 2.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
     /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
     pub neighbours: u16,
@@ -241,7 +243,7 @@ pub struct Paper {
 }
 
 /// A row-major matrix.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Matrix<'a> {
     /// Number of rows.
     pub rows: u32,
@@ -255,10 +257,11 @@ pub struct Matrix<'a> {
 }
 
 /// How the entries of a matrix are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Encoding {
     /// Little-endian binary32.
+    #[default]
     F32,
     /// A little-endian binary32 for each column, its unit; then little-endian i16 in the units of their columns.
     I16,
@@ -269,7 +272,7 @@ pub enum Encoding {
 }
 
 /// Little-endian numbers, aligned to 16 bytes in the file by the pad before them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Blob<'a> {
     /// Zeros, fewer than 16.
     pub pad: &'a [u8],
@@ -280,40 +283,6 @@ pub struct Blob<'a> {
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
     pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 15 * MAX_CLUSTERS;
-
-    /// Visits every blob in the order of the message.
-    pub(crate) fn for_each_blob(&mut self, visit: &mut impl FnMut(&mut Blob<'a>)) {
-        let mesh = &mut self.mesh;
-        visit(&mut mesh.elements);
-        visit(&mut mesh.sector_reference.blob);
-        visit(&mut mesh.sector_nodes);
-        visit(&mut mesh.representative);
-        visit(&mut mesh.operation);
-        for set in &mut mesh.node_sets {
-            visit(&mut set.nodes);
-        }
-        visit(&mut self.times.blob);
-        visit(&mut self.error_times.blob);
-        visit(&mut self.steady_limit.blob);
-        visit(&mut self.border.blob);
-        for cluster in &mut self.clusters {
-            visit(&mut cluster.samples.blob);
-            let field = &mut cluster.field;
-            visit(&mut field.modes.blob);
-            visit(&mut field.parameter_modes.blob);
-            visit(&mut field.knots.blob);
-            visit(&mut field.slices);
-            visit(&mut field.coarse.blob);
-            visit(&mut field.fine.blob);
-            visit(&mut field.axial_controls.blob);
-            visit(&mut field.axial_modes.blob);
-            for errors in [&mut cluster.direct_errors, &mut cluster.paper_errors] {
-                visit(&mut errors.left_out.blob);
-                visit(&mut errors.deviation.blob);
-                visit(&mut errors.bound_factors.blob);
-            }
-        }
-    }
 }
 
 impl<'a> Blob<'a> {
