@@ -7,7 +7,7 @@
 //! the same time; calls that share a workspace may not.
 
 use crate::error::{Error, figure};
-use crate::memory::{Buffer, Bytes, apart};
+use crate::memory::{Buffer, Bytes, check};
 use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
@@ -16,6 +16,10 @@ use core::ffi::{c_char, c_void};
 
 /// cbindgen:ignore
 type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
+/// Writes numbers of an instant and returns how many.
+///
+/// cbindgen:ignore
+type Fill<'f> = dyn Fn(&mut Instant<'_>, &mut [f32]) -> Result<usize, Error> + 'f;
 
 /// What the status means, in a sentence that ends with a zero.
 #[unsafe(no_mangle)]
@@ -36,10 +40,8 @@ pub unsafe extern "C" fn capsule_v1_open(
     length: usize,
     error: *mut Error,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let model = Buffer::new(model, 1)?;
-        let file = Buffer::new(file.cast::<u8>(), length)?;
-        apart_from(error, &[model.bytes(), file.bytes()])?;
+    let (model, file) = (Buffer::new(model, 1), Buffer::new(file.cast::<u8>(), length));
+    let mut work = || {
         holds::<Model>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe {
@@ -50,7 +52,7 @@ pub unsafe extern "C" fn capsule_v1_open(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call(error, &[model.bytes(), file.bytes()], &mut work) }
 }
 
 /// Says what a model is.
@@ -63,9 +65,8 @@ pub unsafe extern "C" fn capsule_v1_describe(
     description: *mut Description,
     error: *mut Error,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let (model, out) = (Buffer::new(model, 1)?, Buffer::new(description, 1)?);
-        apart_from(error, &[model.bytes(), out.bytes()])?;
+    let (model, out) = (Buffer::new(model, 1), Buffer::new(description, 1));
+    let mut work = || {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (model.content()?, out.place()) };
         let points = |outline| model.node_set(outline).map_or(0, |nodes| nodes.len());
@@ -85,7 +86,7 @@ pub unsafe extern "C" fn capsule_v1_describe(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call(error, &[model.bytes(), out.bytes()], &mut work) }
 }
 
 /// Name and range of parameter number `index`.
@@ -99,9 +100,8 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     parameter: *mut Parameter,
     error: *mut Error,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let (model, out) = (Buffer::new(model, 1)?, Buffer::new(parameter, 1)?);
-        apart_from(error, &[model.bytes(), out.bytes()])?;
+    let (model, out) = (Buffer::new(model, 1), Buffer::new(parameter, 1));
+    let mut work = || {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (model.content()?, out.place()) };
         let parameters = &model.contents().metadata.parameters;
@@ -117,7 +117,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call(error, &[model.bytes(), out.bytes()], &mut work) }
 }
 
 /// Makes an empty workspace of memory, of which `size` is `sizeof *workspace`.
@@ -126,16 +126,15 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
 /// See [`functions`](self).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: usize, error: *mut Error) -> Status {
-    let work = |error: Option<Bytes>| {
-        let workspace = Buffer::new(workspace, 1)?;
-        apart_from(error, &[workspace.bytes()])?;
+    let workspace = Buffer::new(workspace, 1);
+    let mut work = || {
         holds::<Workspace>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe { workspace.empty() };
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call(error, &[workspace.bytes()], &mut work) }
 }
 
 /// Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
@@ -151,28 +150,20 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     domain: *mut Domain,
     error: *mut Error,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let (model, workspace, query) = (
-            Buffer::new(model, 1)?,
-            Buffer::new(workspace, 1)?,
-            Buffer::new(query, 1)?,
-        );
-        let query_bytes = query.bytes();
-        // SAFETY: the caller keeps what the module says.
-        let Some(query) = (unsafe { query.values() }).first() else {
-            return Err(Status::Null.into());
-        };
-        let parameters = Buffer::new(query.parameters, query.parameter_count)?;
-        let domain = optional(domain, 1)?;
-        let of_domain = domain.as_ref().map_or(Bytes::NONE, Buffer::bytes);
-        let buffers = [
-            model.bytes(),
-            workspace.bytes(),
-            query_bytes,
-            parameters.bytes(),
-            of_domain,
-        ];
-        apart_from(error, &buffers)?;
+    let (model, workspace, query, domain) = (
+        Buffer::new(model, 1),
+        Buffer::new(workspace, 1),
+        Buffer::new(query, 1),
+        Buffer::new(domain, 1),
+    );
+    if let Err(status) = check(&[query.bytes()], Bytes::NONE) {
+        return status;
+    }
+    let bytes = query.bytes();
+    // SAFETY: the caller keeps what the module says.
+    let query = unsafe { query.start().read() };
+    let parameters = Buffer::new(query.parameters, query.parameter_count);
+    let mut work = || {
         // SAFETY: the caller keeps what the module says.
         let (model, workspace, parameters) =
             unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
@@ -193,7 +184,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             asked.step = Some(query.step);
         }
         let found = Evaluator::new(model, workspace)?.prepare(&asked)?;
-        if let Some(domain) = domain {
+        if !domain.is_null() {
             // SAFETY: the caller keeps what the module says.
             unsafe { domain.place() }.write(match found {
                 rom::Domain::Inside => Domain::Inside,
@@ -204,8 +195,15 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         }
         Ok(())
     };
+    let buffers = [
+        model.bytes(),
+        workspace.bytes(),
+        bytes,
+        parameters.bytes(),
+        domain.optional_bytes(),
+    ];
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call(error, &buffers, &mut work) }
 }
 
 /// Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
@@ -359,7 +357,7 @@ pub unsafe extern "C" fn capsule_v1_outline_at(
         Ok(2 * in_numbers(written, 2)?)
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { many(model, workspace, t, None, points, capacity, count, error, ask) }
+    unsafe { many(model, workspace, t, Bytes::NONE, points, capacity, count, error, &ask) }
 }
 
 /// Positions of nodes at the instant `t` in a frame (a `capsule_frame`): x, y, z, x, y, z, ... in l. `nodes` lists
@@ -449,62 +447,36 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     membrane: *mut Membrane,
     error: *mut Error,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let (scratch, out) = (Buffer::new(scratch, capacity)?, Buffer::new(membrane, 1)?);
-        let (model, workspace) = (Buffer::new(model, 1)?, Buffer::new(workspace, 1)?);
-        apart_from(error, &[model.bytes(), workspace.bytes(), scratch.bytes(), out.bytes()])?;
+    let (scratch, out) = (Buffer::new(scratch, capacity), Buffer::new(membrane, 1));
+    let mut ask = |instant: &mut Instant<'_>| {
         // SAFETY: the caller keeps what the module says.
         let (scratch, out) = unsafe { (scratch.zeros(), out.place()) };
-        // SAFETY: the caller keeps what the module says.
-        let found = unsafe {
-            instant(&model, &workspace, t, |instant| {
-                let room = instant.membrane(scratch.as_chunks_mut().0);
-                let membrane = in_numbers(room, 3)?;
-                Ok(Membrane {
-                    area: membrane.area()?,
-                    energy: membrane.energy()?,
-                    pressure_drop: membrane.pressure_drop()?,
-                })
-            })?
-        };
-        out.write(found);
+        let membrane = in_numbers(instant.membrane(scratch.as_chunks_mut().0), 3)?;
+        out.write(Membrane {
+            area: membrane.area()?,
+            energy: membrane.energy()?,
+            pressure_drop: membrane.pressure_drop()?,
+        });
         Ok(())
     };
+    let others = [scratch.bytes(), out.bytes()];
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call_at(model, workspace, t, others, error, &mut ask) }
 }
 
-/// Runs the work of a call and writes its error where the caller wants it. Where a pointer is at fault nothing is
-/// written: `error` may be what overlaps.
-unsafe fn report(error: *mut Error, work: impl FnOnce(Option<Bytes>) -> Result<(), Error>) -> Status {
-    let place = match optional(error, 1) {
-        Ok(place) => place,
-        Err(status) => return status,
-    };
-    let failure = work(place.as_ref().map(Buffer::bytes)).err().unwrap_or(Error::NONE);
-    let pointer_at_fault = matches!(failure.status, Status::Null | Status::Misaligned | Status::Overlap);
-    if let (Some(place), false) = (place, pointer_at_fault) {
+/// Runs the work of a call on its buffers and writes its error where the caller wants it. Where a pointer is at fault
+/// nothing is written: `error` may be what overlaps.
+unsafe fn call(error: *mut Error, buffers: &[Bytes], work: &mut dyn FnMut() -> Result<(), Error>) -> Status {
+    let error = Buffer::new(error, 1);
+    if let Err(status) = check(buffers, error.optional_bytes()) {
+        return status;
+    }
+    let failure = work().err().unwrap_or(Error::NONE);
+    if !error.is_null() {
         // SAFETY: the caller keeps what the module says, and no other buffer is there.
-        unsafe { place.place() }.write(failure);
+        unsafe { error.place() }.write(failure);
     }
     failure.status
-}
-
-/// A pointer that may be null.
-fn optional<T>(pointer: *const T, count: usize) -> Result<Option<Buffer<T>>, Status> {
-    if pointer.is_null() {
-        Ok(None)
-    } else {
-        Buffer::new(pointer, count).map(Some)
-    }
-}
-
-/// Refuses buffers that share memory with each other or with the error.
-fn apart_from<const N: usize>(error: Option<Bytes>, buffers: &[Bytes; N]) -> Result<(), Status> {
-    apart(buffers)?;
-    error.map_or(Ok(()), |error| {
-        buffers.iter().try_for_each(|buffer| apart(&[error, *buffer]))
-    })
 }
 
 /// Refuses an object that the caller says is smaller than its content.
@@ -544,15 +516,30 @@ fn in_numbers<A>(result: Result<A, rom::EvaluateError>, numbers: usize) -> Resul
 }
 
 /// Asks something at an instant of the prepared query.
-unsafe fn instant<A>(
-    model: &Buffer<Model>,
-    workspace: &Buffer<Workspace>,
+unsafe fn at(
+    model: Buffer<Model>,
+    workspace: Buffer<Workspace>,
     t: f32,
-    ask: impl FnOnce(&mut Instant<'_>) -> Result<A, Error>,
-) -> Result<A, Error> {
+    ask: &mut dyn FnMut(&mut Instant<'_>) -> Result<(), Error>,
+) -> Result<(), Error> {
     // SAFETY: the caller keeps what the module says.
     let (model, workspace) = unsafe { (model.content()?, workspace.content_mut()?) };
     ask(&mut Evaluator::new(model, workspace)?.at(t)?)
+}
+
+/// A call that asks something at an instant, with one or two buffers besides the model and the workspace.
+unsafe fn call_at(
+    model: *const Model,
+    workspace: *mut Workspace,
+    t: f32,
+    [first, second]: [Bytes; 2],
+    error: *mut Error,
+    ask: &mut dyn FnMut(&mut Instant<'_>) -> Result<(), Error>,
+) -> Status {
+    let (model, workspace) = (Buffer::new(model, 1), Buffer::new(workspace, 1));
+    let buffers = [model.bytes(), workspace.bytes(), first, second];
+    // SAFETY: the caller keeps what the module says.
+    unsafe { call(error, &buffers, &mut || at(model, workspace, t, ask)) }
 }
 
 /// A call that answers with one value.
@@ -562,52 +549,47 @@ unsafe fn one<A>(
     t: f32,
     out: *mut A,
     error: *mut Error,
-    ask: impl FnOnce(&mut Instant<'_>) -> Result<A, rom::EvaluateError>,
+    ask: impl Fn(&mut Instant<'_>) -> Result<A, rom::EvaluateError>,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let (model, workspace, out) = (Buffer::new(model, 1)?, Buffer::new(workspace, 1)?, Buffer::new(out, 1)?);
-        apart_from(error, &[model.bytes(), workspace.bytes(), out.bytes()])?;
+    let out = Buffer::new(out, 1);
+    let mut ask = |instant: &mut Instant<'_>| {
+        let found = ask(instant)?;
         // SAFETY: the caller keeps what the module says.
-        unsafe {
-            let found = instant(&model, &workspace, t, |instant| Ok(ask(instant)?))?;
-            out.place().write(found);
-        }
+        unsafe { out.place() }.write(found);
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call_at(model, workspace, t, [out.bytes(), Bytes::NONE], error, &mut ask) }
 }
 
-/// A call that answers with many numbers; `ask` returns how many.
+/// A call that answers with many numbers.
 unsafe fn many(
     model: *const Model,
     workspace: *mut Workspace,
     t: f32,
-    list: Option<Bytes>,
+    list: Bytes,
     out: *mut f32,
     capacity: usize,
     count: *mut usize,
     error: *mut Error,
-    ask: impl FnOnce(&mut Instant<'_>, &mut [f32]) -> Result<usize, Error>,
+    fill: &Fill<'_>,
 ) -> Status {
-    let work = |error: Option<Bytes>| {
-        let (model, workspace) = (Buffer::new(model, 1)?, Buffer::new(workspace, 1)?);
-        let (out, count) = (Buffer::new(out, capacity)?, Buffer::new(count, 1)?);
-        let list = list.unwrap_or(Bytes::NONE);
-        apart_from(
-            error,
-            &[model.bytes(), workspace.bytes(), out.bytes(), count.bytes(), list],
-        )?;
+    let (model, workspace) = (Buffer::new(model, 1), Buffer::new(workspace, 1));
+    let (out, count) = (Buffer::new(out, capacity), Buffer::new(count, 1));
+    let mut work = || {
         // SAFETY: the caller keeps what the module says.
-        unsafe {
-            let (out, count) = (out.zeros(), count.place());
-            count.write(0);
-            count.write(instant(&model, &workspace, t, |instant| ask(instant, out))?);
-        }
-        Ok(())
+        let (out, count) = unsafe { (out.zeros(), count.place()) };
+        let count = count.write(0);
+        let mut ask = |instant: &mut Instant<'_>| {
+            *count = fill(instant, out)?;
+            Ok(())
+        };
+        // SAFETY: the caller keeps what the module says.
+        unsafe { at(model, workspace, t, &mut ask) }
     };
+    let buffers = [model.bytes(), workspace.bytes(), out.bytes(), count.bytes(), list];
     // SAFETY: the caller keeps what the module says.
-    unsafe { report(error, work) }
+    unsafe { call(error, &buffers, &mut work) }
 }
 
 /// A call that answers with vectors at nodes.
@@ -622,19 +604,20 @@ unsafe fn scene(
     capacity: usize,
     count: *mut usize,
     error: *mut Error,
-    ask: impl FnOnce(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
+    ask: impl Fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
 ) -> Status {
-    let nodes = match optional(nodes, node_count) {
-        Ok(nodes) => nodes,
-        Err(status) => return status,
-    };
-    let list = nodes.as_ref().map(Buffer::bytes);
+    let list = Buffer::new(nodes, node_count);
     let ask = |instant: &mut Instant<'_>, out: &mut [f32]| {
-        // SAFETY: the caller keeps what the module says.
-        let nodes = nodes.map_or(Nodes::All, |nodes| Nodes::List(unsafe { nodes.values() }));
+        let nodes = if list.is_null() {
+            Nodes::All
+        } else {
+            // SAFETY: the caller keeps what the module says.
+            Nodes::List(unsafe { list.values() })
+        };
         let frame = frame_of(frame)?;
         Ok(3 * in_numbers(ask(instant, &Scene { nodes, frame }, out.as_chunks_mut().0), 3)?)
     };
+    let bytes = list.optional_bytes();
     // SAFETY: the caller keeps what the module says.
-    unsafe { many(model, workspace, t, list, out, capacity, count, error, ask) }
+    unsafe { many(model, workspace, t, bytes, out, capacity, count, error, &ask) }
 }

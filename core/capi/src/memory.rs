@@ -5,75 +5,125 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 use core::slice;
 
-/// `count` values at a pointer that is neither null nor misaligned and does not reach beyond the end of memory.
+/// `count` values at a pointer. What it points to may be used after [`check`] has passed its bytes.
 pub(crate) struct Buffer<T> {
-    start: NonNull<T>,
+    start: *mut T,
     count: usize,
 }
+
+impl<T> Clone for Buffer<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Buffer<T> {}
 
 /// The bytes of a buffer.
 #[derive(Clone, Copy)]
 pub(crate) struct Bytes {
     start: usize,
-    end: usize,
+    /// The greatest number where there are more.
+    length: usize,
+    alignment: usize,
 }
 
 impl Bytes {
     /// No memory.
-    pub(crate) const NONE: Self = Self { start: 0, end: 0 };
+    pub(crate) const NONE: Self = Self {
+        start: 1,
+        length: 0,
+        alignment: 1,
+    };
+
+    fn judge(&self) -> Result<(), Status> {
+        if self.start == 0 {
+            return Err(Status::Null);
+        }
+        if !self.start.is_multiple_of(self.alignment) {
+            return Err(Status::Misaligned);
+        }
+        // A slice of Rust may not be longer than an isize can say.
+        if isize::try_from(self.length).is_err() || self.start.checked_add(self.length).is_none() {
+            return Err(Status::Overlap);
+        }
+        Ok(())
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        self.start < other.start + other.length && other.start < self.start + self.length
+    }
+}
+
+/// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory.
+pub(crate) fn check(buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
+    buffers.iter().try_for_each(Bytes::judge)?;
+    error.judge()?;
+    for (i, a) in buffers.iter().enumerate() {
+        if a.overlaps(&error) || buffers.iter().take(i).any(|b| a.overlaps(b)) {
+            return Err(Status::Overlap);
+        }
+    }
+    Ok(())
 }
 
 impl<T> Buffer<T> {
-    /// Checks a pointer to `count` values.
-    pub(crate) fn new(pointer: *const T, count: usize) -> Result<Self, Status> {
-        let start = NonNull::new(pointer.cast_mut()).ok_or(Status::Null)?;
-        if !pointer.is_aligned() {
-            return Err(Status::Misaligned);
+    /// `count` values at a pointer.
+    pub(crate) fn new(pointer: *const T, count: usize) -> Self {
+        Self {
+            start: pointer.cast_mut(),
+            count,
         }
-        let length = count.checked_mul(size_of::<T>()).ok_or(Status::Overlap)?;
-        // A slice of Rust may not be longer.
-        let within = isize::try_from(length).is_ok() && pointer.addr().checked_add(length).is_some();
-        if within {
-            Ok(Self { start, count })
-        } else {
-            Err(Status::Overlap)
-        }
-    }
-
-    /// Its first value.
-    pub(crate) fn start(&self) -> NonNull<T> {
-        self.start
     }
 
     /// Where it lies.
     pub(crate) fn bytes(&self) -> Bytes {
-        let start = self.start.addr().get();
         Bytes {
-            start,
-            end: start + self.count * size_of::<T>(),
+            start: self.start.addr(),
+            length: self.count.saturating_mul(size_of::<T>()),
+            alignment: align_of::<T>(),
         }
+    }
+
+    /// Where it lies, if there is one: its pointer may be null.
+    pub(crate) fn optional_bytes(&self) -> Bytes {
+        if self.is_null() { Bytes::NONE } else { self.bytes() }
+    }
+
+    /// Whether there is none.
+    pub(crate) fn is_null(&self) -> bool {
+        self.start.is_null()
+    }
+
+    /// Its first value.
+    ///
+    /// # Safety
+    /// [`check`] has passed the buffer.
+    pub(crate) unsafe fn start(&self) -> NonNull<T> {
+        // SAFETY: not null.
+        unsafe { NonNull::new_unchecked(self.start) }
     }
 
     /// The values.
     ///
     /// # Safety
-    /// The caller of the interface promised that the memory holds initialised values, which nobody writes while the
-    /// reference lives. `T` is valid with every pattern of bits.
+    /// [`check`] has passed the buffer. The caller of the interface promised that the memory holds initialised values,
+    /// which nobody writes while the reference lives. `T` is valid with every pattern of bits.
     pub(crate) unsafe fn values<'a>(self) -> &'a [T] {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
-        unsafe { slice::from_raw_parts(self.start.as_ptr(), self.count) }
+        unsafe { slice::from_raw_parts(self.start, self.count) }
     }
 
     /// The memory, set to zeros, to write values into.
     ///
     /// # Safety
-    /// The caller of the interface promised that nobody else uses the memory; [`apart`] was asked about the other
-    /// buffers of the call. `T` is valid with zeros.
+    /// [`check`] has passed the buffer with the others of the call. The caller of the interface promised that nobody else
+    /// uses the memory. `T` is valid with zeros.
     pub(crate) unsafe fn zeros<'a>(self) -> &'a mut [T] {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
         unsafe {
-            self.start.as_ptr().write_bytes(0, self.count);
-            slice::from_raw_parts_mut(self.start.as_ptr(), self.count)
+            self.start.write_bytes(0, self.count);
+            slice::from_raw_parts_mut(self.start, self.count)
         }
     }
 
@@ -83,18 +133,6 @@ impl<T> Buffer<T> {
     /// As [`zeros`](Self::zeros), without what is said of `T`; `count` is at least 1.
     pub(crate) unsafe fn place<'a>(self) -> &'a mut MaybeUninit<T> {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
-        unsafe { self.start.cast::<MaybeUninit<T>>().as_mut() }
+        unsafe { &mut *self.start.cast::<MaybeUninit<T>>() }
     }
-}
-
-/// Refuses buffers that share memory.
-pub(crate) fn apart(buffers: &[Bytes]) -> Result<(), Status> {
-    for (i, a) in buffers.iter().enumerate() {
-        for b in buffers.iter().take(i) {
-            if a.start < b.end && b.start < a.end {
-                return Err(Status::Overlap);
-            }
-        }
-    }
-    Ok(())
 }

@@ -75,10 +75,10 @@ impl Buffer<Workspace> {
     /// # Safety
     /// The caller of the interface promised that nobody else uses the memory.
     pub(crate) unsafe fn empty(self) {
-        let place = self.tagged();
         // SAFETY: aligned, and large enough. A workspace holds numbers, truth values and enums whose first variant is 0:
         // zeros are valid for it, and `forget` lets nothing be read of them before it is written.
         unsafe {
+            let place = self.tagged();
             place.write_bytes(0, 1);
             (*place.as_ptr()).content.forget();
             (*place.as_ptr()).tag = Workspace::TAG;
@@ -92,9 +92,12 @@ impl<O: Opaque> Buffer<O> {
         "the object has room for its content"
     );
 
-    fn tagged(&self) -> NonNull<Tagged<O::Content>> {
+    /// # Safety
+    /// The caller of the interface promised that the memory is there; the buffer was checked.
+    unsafe fn tagged(&self) -> NonNull<Tagged<O::Content>> {
         const { Self::FITS };
-        self.start().cast()
+        // SAFETY: it was checked.
+        unsafe { self.start() }.cast()
     }
 
     /// Room for the content.
@@ -125,7 +128,10 @@ impl<O: Opaque> Buffer<O> {
     }
 
     /// Refuses an object that was not set up.
-    fn check(&self) -> Result<(), Status> {
+    ///
+    /// # Safety
+    /// As [`room`](Self::room).
+    unsafe fn judge(&self) -> Result<(), Status> {
         // SAFETY: the tag is the first word of the object; a caller who leaves it uninitialised gets some number.
         let tag = unsafe { self.start().cast::<u64>().read() };
         if tag == O::TAG { Ok(()) } else { Err(O::MISSING) }
@@ -137,9 +143,11 @@ impl<O: Opaque> Buffer<O> {
     /// The caller of the interface promised that the object is as the interface left it, and that nobody writes to it
     /// while the reference lives.
     pub(crate) unsafe fn content<'a>(&self) -> Result<&'a O::Content, Status> {
-        self.check()?;
         // SAFETY: the tag says that the content was written.
-        Ok(unsafe { &self.tagged().as_ref().content })
+        unsafe {
+            self.judge()?;
+            Ok(&self.tagged().as_ref().content)
+        }
     }
 
     /// The content, to change.
@@ -147,8 +155,10 @@ impl<O: Opaque> Buffer<O> {
     /// # Safety
     /// As [`content`](Self::content), and nobody else uses it.
     pub(crate) unsafe fn content_mut<'a>(&self) -> Result<&'a mut O::Content, Status> {
-        self.check()?;
         // SAFETY: the tag says that the content was written.
-        Ok(unsafe { &mut self.tagged().as_mut().content })
+        unsafe {
+            self.judge()?;
+            Ok(&mut self.tagged().as_mut().content)
+        }
     }
 }
