@@ -73,24 +73,18 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// All points of an element.
-    fn all() -> [Self; 6] {
-        let [(a, first), (b, second)] = QUADRATURE;
-        let point = |a: f64, weight: f64, place: usize| {
+    /// All points of an element that has its mid-edges, or of a flat one.
+    fn all(flat: bool) -> [Self; 6] {
+        let [first, second] = QUADRATURE;
+        core::array::from_fn(|index| {
+            let (a, weight) = if index < 3 { first } else { second };
             let mut weights = [T::from_f64(a); 3];
-            if let Some(weight) = weights.get_mut(place) {
+            if let Some(weight) = weights.get_mut(index % 3) {
                 *weight = T::from_f64(1.0 - 2.0 * a);
             }
-            Self::new(weight, weights)
-        };
-        [
-            point(a, first, 0),
-            point(a, first, 1),
-            point(a, first, 2),
-            point(b, second, 0),
-            point(b, second, 1),
-            point(b, second, 2),
-        ]
+            let point = Self::new(weight, weights);
+            if flat { point.flat() } else { point }
+        })
     }
 
     /// The two tangents of the element with these nodes.
@@ -107,30 +101,41 @@ pub(crate) fn combine<T: Real>(weights: &[T; 6], value: impl Fn(usize) -> T) -> 
 }
 
 /// Sum over the elements and their quadrature points of `weight * integrand`, given what `node` knows of the
-/// element's six. Where the mesh is symmetric to y = 0 and z = 0, a quarter of it is enough.
+/// element's six; `none` is what it knows before.
 ///
 /// # Errors
 /// Those of `node`; a sum that is not finite.
-pub(crate) fn integrate<T: Real, V>(
+pub(crate) fn integrate<T: Real, V: Copy>(
     mesh: &Mesh<'_>,
+    none: V,
     node: impl Fn(usize) -> Result<V, EvaluateError>,
     integrand: impl Fn(&Point<T>, &[V; 6]) -> T,
 ) -> Result<T, EvaluateError> {
-    let mut points = Point::all();
-    if mesh.element_nodes() == 3 {
-        points = points.map(Point::flat);
-    }
+    sum(mesh, &|element, points| {
+        let mut nodes = [none; 6];
+        for (known, index) in nodes.iter_mut().zip(element) {
+            *known = node(index.into())?;
+        }
+        Ok(points
+            .iter()
+            .map(|point| point.weight * integrand(point, &nodes))
+            .sum())
+    })
+}
+
+/// Sum of what the elements contribute, given their nodes and quadrature points. Where the mesh is symmetric to y = 0
+/// and z = 0, a quarter of it is enough.
+fn sum<T: Real>(
+    mesh: &Mesh<'_>,
+    contribution: &dyn Fn([u16; 6], &[Point<T>; 6]) -> Result<T, EvaluateError>,
+) -> Result<T, EvaluateError> {
+    let points = Point::all(mesh.element_nodes() == 3);
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
     let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()
         && (0..mesh.nodes()).all(|node| mirrored_from_quarter(mesh, node));
     let mut sum = T::ZERO;
     for element in mesh.elements().filter(|element| !symmetric || quarter(element)) {
-        let [a, b, c, d, e, f] = element.map(|index| node(index.into()));
-        let nodes = [a?, b?, c?, d?, e?, f?];
-        sum += points
-            .iter()
-            .map(|point| point.weight * integrand(point, &nodes))
-            .sum::<T>();
+        sum += contribution(element, &points)?;
     }
     let sum = if symmetric { T::from_f32(4.0) * sum } else { sum };
     if sum.is_finite() {
@@ -161,7 +166,7 @@ pub(crate) fn volume<T: Real>(
     mesh: &Mesh<'_>,
     node: impl Fn(usize) -> Result<[T; 3], EvaluateError>,
 ) -> Result<T, EvaluateError> {
-    integrate(mesh, node, volume_density)
+    integrate(mesh, [T::ZERO; 3], node, volume_density)
 }
 
 fn volume_density<T: Real>(point: &Point<T>, nodes: &[[T; 3]; 6]) -> T {
@@ -176,7 +181,7 @@ mod tests {
     #[test]
     fn volume_of_curved_elements() {
         let volume = |nodes: &[[f64; 3]; 6]| -> f64 {
-            Point::all()
+            Point::all(false)
                 .iter()
                 .map(|point| point.weight * volume_density(point, nodes))
                 .sum()

@@ -45,6 +45,7 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
     pub fn area(&self) -> Result<T, EvaluateError> {
         integrate(
             &self.mesh,
+            [T::ZERO; 3],
             |node| self.position(node),
             |point, nodes| determinant(metric(&point.tangents(nodes))).sqrt(),
         )
@@ -57,6 +58,7 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
     pub fn energy(&self) -> Result<T, EvaluateError> {
         integrate(
             &self.mesh,
+            ([T::ZERO; 3], [T::ZERO; 3]),
             |node| Ok((self.position(node)?, self.reference(node)?)),
             |point, nodes| {
                 let current = metric(&point.tangents(&nodes.map(|(position, _)| position)));
@@ -76,6 +78,7 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
     pub fn pressure_drop(&self) -> Result<T, EvaluateError> {
         let power = integrate(
             &self.mesh,
+            ([T::ZERO; 3], [T::ZERO; 3], T::ZERO),
             |node| {
                 let position = self.position(node)?;
                 let [_, y, z] = position;
