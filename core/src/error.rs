@@ -40,7 +40,25 @@ pub enum OpenError {
         /// How many.
         found: usize,
     },
-    /// An array has the wrong number of rows, columns or entries.
+    /// An array has the wrong number of rows.
+    Rows {
+        /// The array.
+        what: &'static str,
+        /// The number that the rest of the file asks for.
+        expected: usize,
+        /// The file's number.
+        found: usize,
+    },
+    /// An array has the wrong number of columns.
+    Columns {
+        /// The array.
+        what: &'static str,
+        /// The number that the rest of the file asks for.
+        expected: usize,
+        /// The file's number.
+        found: usize,
+    },
+    /// There are too many or too few of something.
     Dimension {
         /// What was counted.
         what: &'static str,
@@ -141,6 +159,8 @@ impl Display for OpenError {
             }
             Self::Undecodable => write!(f, "the model file's message does not decode as its format says"),
             Self::TrailingBytes { found } => write!(f, "{found} bytes follow the end of the model file's message"),
+            Self::Rows { what, expected, found } => write!(f, "{what}: {expected} rows expected, {found} found"),
+            Self::Columns { what, expected, found } => write!(f, "{what}: {expected} columns expected, {found} found"),
             Self::Dimension { what, expected, found } => write!(f, "{what}: {expected} expected, {found} found"),
             Self::Length { what, expected, found } => {
                 write!(

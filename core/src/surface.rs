@@ -116,19 +116,16 @@ pub(crate) fn integrate<T: Real, V: Copy>(
         for (known, index) in nodes.iter_mut().zip(element) {
             *known = node(index.into())?;
         }
-        Ok(points
-            .iter()
-            .map(|point| point.weight * integrand(point, &nodes))
-            .sum())
+        Ok(points.iter().map(|point| point.weight * integrand(point, &nodes)).sum())
     })
 }
 
-/// Sum of what the elements contribute, given their nodes and quadrature points. Where the mesh is symmetric to y = 0
+/// What an element contributes to a sum, given its nodes and quadrature points.
+type Contribution<'c, T> = dyn Fn([u16; 6], &[Point<T>; 6]) -> Result<T, EvaluateError> + 'c;
+
+/// Sum of what the elements contribute. Where the mesh is symmetric to y = 0
 /// and z = 0, a quarter of it is enough.
-fn sum<T: Real>(
-    mesh: &Mesh<'_>,
-    contribution: &dyn Fn([u16; 6], &[Point<T>; 6]) -> Result<T, EvaluateError>,
-) -> Result<T, EvaluateError> {
+fn sum<T: Real>(mesh: &Mesh<'_>, contribution: &Contribution<'_, T>) -> Result<T, EvaluateError> {
     let points = Point::all(mesh.element_nodes() == 3);
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
     let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()

@@ -171,20 +171,29 @@ fn wrong_dimensions_are_refused() {
             )
         }
     };
+    let rows = |what| move |error| assert!(matches!(error, OpenError::Rows { what: w, .. } if w == what), "{error}");
+    let columns = |what| {
+        move |error| {
+            assert!(
+                matches!(error, OpenError::Columns { what: w, .. } if w == what),
+                "{error}"
+            )
+        }
+    };
     dimension("clusters")(refused(|c| c.clusters.clear()));
-    dimension("rows of the modes")(refused(|c| c.clusters[0].field.modes.rows += 1));
-    dimension("rows of the parameter modes")(refused(|c| c.clusters[1].field.parameter_modes.rows += 1));
-    dimension("columns of the core")(refused(|c| c.clusters[1].field.coarse.columns += 1));
-    dimension("columns of the core")(refused(|c| c.clusters[1].field.fine.columns -= 1));
-    dimension("columns of the knots")(refused(|c| c.clusters[0].field.knots.columns = 2));
+    rows("modes")(refused(|c| c.clusters[0].field.modes.rows += 1));
+    rows("parameter modes")(refused(|c| c.clusters[1].field.parameter_modes.rows += 1));
+    columns("core")(refused(|c| c.clusters[1].field.coarse.columns += 1));
+    columns("core")(refused(|c| c.clusters[1].field.fine.columns -= 1));
+    columns("knots")(refused(|c| c.clusters[0].field.knots.columns = 2));
     dimension("knots")(refused(|c| c.clusters[0].field.knots = Matrix::f32(7, 1, &[0; 28])));
-    dimension("rows of the axial controls")(refused(|c| c.clusters[0].field.axial_controls.rows -= 1));
-    dimension("rows of the axial modes")(refused(|c| c.clusters[0].field.axial_modes.rows = 2));
-    dimension("columns of the axial modes")(refused(|c| c.clusters[0].field.axial_modes.columns = 2));
-    dimension("rows of the leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.rows = 2));
-    dimension("columns of the leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.columns = 1));
-    dimension("rows of the deviations")(refused(|c| c.clusters[0].paper_errors.deviation.rows = 2));
-    dimension("columns of the steady limit")(refused(|c| c.steady_limit.columns = 3));
+    rows("axial controls")(refused(|c| c.clusters[0].field.axial_controls.rows -= 1));
+    rows("axial modes")(refused(|c| c.clusters[0].field.axial_modes.rows = 2));
+    columns("axial modes")(refused(|c| c.clusters[0].field.axial_modes.columns = 2));
+    rows("leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.rows = 2));
+    columns("leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.columns = 1));
+    rows("deviations")(refused(|c| c.clusters[0].paper_errors.deviation.rows = 2));
+    columns("steady limit")(refused(|c| c.steady_limit.columns = 3));
     dimension("nodes")(refused(|c| c.mesh.nodes = 1 << 17));
     let length = |error| assert!(matches!(error, OpenError::Length { .. }), "{error}");
     length(refused(|c| c.mesh.nodes += 1));
@@ -301,7 +310,7 @@ fn wrong_indices_sets_and_settings_are_refused() {
     let dimension = |what| move |error| assert!(matches!(error, OpenError::Dimension { what: w, .. } if w == what));
     dimension("nodes of an element")(refused(|c| c.mesh.element_nodes = 4));
     dimension("parameters")(refused(|c| c.metadata.parameters.truncate(1)));
-    dimension("rows of the steady limit of a model that is not one of a capsule in the channel")(refused(|c| {
+    dimension("points of the steady limit of a model that is not one of a capsule in the channel")(refused(|c| {
         c.mesh.reference = Reference::Shape { radius: 1.0 };
     }));
     index("parameter of the clusters")(refused(|c| c.split = 2));

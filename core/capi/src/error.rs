@@ -92,7 +92,10 @@ impl From<OpenError> for Error {
             }
             OpenError::Undecodable => Status::Undecodable.into(),
             OpenError::TrailingBytes { found } => Self::from(Status::TrailingBytes).found(figure(found)),
-            OpenError::Dimension { what, expected, found } | OpenError::Length { what, expected, found } => {
+            OpenError::Rows { what, expected, found }
+            | OpenError::Columns { what, expected, found }
+            | OpenError::Dimension { what, expected, found }
+            | OpenError::Length { what, expected, found } => {
                 inconsistent(what).found(figure(found)).least(figure(expected))
             }
             OpenError::Index { what, value, bound, .. } => {

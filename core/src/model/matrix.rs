@@ -100,6 +100,36 @@ impl<'a> MatrixView<'a> {
         entry.zip(unit).map_or(0.0, |(entry, unit)| entry * unit)
     }
 
+    /// The first entry that does not lie within bounds, by its number and value. Where all that can be said in a unit lies
+    /// within them, for every unit, no entry is looked at.
+    pub(super) fn outside(&self, min: f32, max: f32) -> Option<(usize, f32)> {
+        let greatest = match self.entries {
+            Entries::Small(_) => 128.0,
+            _ => 32768.0,
+        };
+        let within = |unit: &[u8; 4]| {
+            let reach = f32::from_le_bytes(*unit).abs() * greatest;
+            min <= -reach && reach <= max
+        };
+        if let Units::OfColumns(units) | Units::OfRows(units) = self.units
+            && units.iter().all(within)
+        {
+            return None;
+        }
+        // Rows without columns are as many as a file says.
+        let rows = if self.columns > 0 { self.rows } else { 0 };
+        for row in 0..rows {
+            for column in 0..self.columns {
+                let value = self.get(row, column);
+                let within = min <= value && value <= max;
+                if !within {
+                    return Some((row * self.columns + column, value));
+                }
+            }
+        }
+        None
+    }
+
     /// The rows of a matrix of two columns.
     pub fn pairs<T: Real>(self) -> impl Iterator<Item = [T; 2]> + use<'a, T> {
         self.rows_of()
