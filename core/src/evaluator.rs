@@ -149,11 +149,11 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             });
         }
         if domain == Domain::BeyondSteadyLimit {
-            let [capillary_number, confinement] = query.parameters.array().map(T::to_f64);
+            let [capillary_number, confinement] = query.parameters.array();
             return Err(EvaluateError::BeyondSteadyLimit {
-                capillary_number,
-                confinement,
-                limit: self.model.steady_limit(confinement).unwrap_or_default(),
+                capillary_number: capillary_number.to_f64(),
+                confinement: confinement.to_f64(),
+                limit: self.model.steady_limit(confinement).map_or(0.0, T::to_f64),
             });
         }
         Ok(domain)
@@ -492,7 +492,7 @@ fn reach<T: Real, const N: usize>(
         Ok(Domain::FarFromSamples)
     } else {
         Err(EvaluateError::FarFromSamples {
-            ratio: deviation.to_f64() / f64::from(greatest),
+            ratio: (deviation / T::from_f32(greatest)).to_f64(),
         })
     }
 }

@@ -75,6 +75,9 @@ macro_rules! real {
             fn from_f64(value: f64) -> Self {
                 value as $scalar
             }
+            fn from_index(value: usize) -> Self {
+                value as $scalar
+            }
             fn to_f64(self) -> f64 {
                 self as f64
             }

@@ -4,11 +4,19 @@ use crate::Real;
 use crate::error::EvaluateError;
 use crate::model::Mesh;
 
-/// Points (three barycentric weights each) and weight of the quadrature of degree 4 with six points (Dunavant, 1985),
-/// for the unit triangle of area 1/2.
-const QUADRATURE: [(f64, f64); 2] = [
-    (0.445_948_490_915_965, 0.111_690_794_839_005_5),
-    (0.091_576_213_509_771, 0.054_975_871_827_661),
+/// The quadrature of degree 4 with six points (Dunavant, 1985): two barycentric weights of a point, the third, and its own
+/// weight for the unit triangle of area 1/2; three points each.
+const QUADRATURE: [[f64; 3]; 2] = [
+    [
+        0.445_948_490_915_965,
+        1.0 - 2.0 * 0.445_948_490_915_965,
+        0.111_690_794_839_005_5,
+    ],
+    [
+        0.091_576_213_509_771,
+        1.0 - 2.0 * 0.091_576_213_509_771,
+        0.054_975_871_827_661,
+    ],
 ];
 
 /// A quadrature point of an element.
@@ -77,10 +85,10 @@ impl<T: Real> Point<T> {
     fn all(flat: bool) -> [Self; 6] {
         let [first, second] = QUADRATURE;
         core::array::from_fn(|index| {
-            let (a, weight) = if index < 3 { first } else { second };
-            let mut weights = [T::from_f64(a); 3];
+            let [two, third, weight] = if index < 3 { first } else { second };
+            let mut weights = [T::from_f64(two); 3];
             if let Some(weight) = weights.get_mut(index % 3) {
-                *weight = T::from_f64(1.0 - 2.0 * a);
+                *weight = T::from_f64(third);
             }
             let point = Self::new(weight, weights);
             if flat { point.flat() } else { point }

@@ -63,6 +63,7 @@ impl From<Status> for Error {
 }
 
 /// A count as a figure, exact below 2^32.
+#[inline(never)]
 pub(crate) fn figure(count: usize) -> f64 {
     f64::from(u32::try_from(count).unwrap_or(u32::MAX))
 }

@@ -148,8 +148,9 @@ impl<'a> Model<'a> {
     /// The first parameter that lies outside its sampled range.
     pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
         let within = |(value, range): (&T, &wire::Parameter<'_>)| {
-            let slack = PARAMETER_TOLERANCE * range.min.abs().max(range.max.abs());
-            *value >= T::from_f64(range.min - slack) && *value <= T::from_f64(range.max + slack)
+            let [min, max] = [range.min, range.max].map(T::from_f64);
+            let slack = T::from_f64(PARAMETER_TOLERANCE) * min.abs().max(max.abs());
+            *value >= min - slack && *value <= max + slack
         };
         let mut ranges = parameters.as_slice().iter().zip(&self.contents.metadata.parameters);
         ranges.position(|place| !within(place))
@@ -175,8 +176,10 @@ impl<'a> Model<'a> {
     /// a model that has none.
     pub(crate) fn cluster<T: Real>(&self, parameters: &Parameters<T>) -> Option<&Cluster<'a>> {
         let value = parameters.get(self.contents.split.into());
-        let reaches =
-            |cluster: &&Cluster<'a>| value <= T::from_f64(cluster.max + PARAMETER_TOLERANCE * cluster.max.abs());
+        let reaches = |cluster: &&Cluster<'a>| {
+            let max = T::from_f64(cluster.max);
+            value <= max + T::from_f64(PARAMETER_TOLERANCE) * max.abs()
+        };
         let clusters = &self.contents.clusters;
         clusters.iter().find(reaches).or(clusters.last())
     }
