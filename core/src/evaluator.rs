@@ -10,8 +10,8 @@ use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
 use crate::model::{MatrixView, Model};
 use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
-use crate::observables::{Extremes, Observables, axial_radial};
-use crate::reconstruct::{Snapshot, room};
+use crate::observables::{Extremes, Observables};
+use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
 use crate::workspace::{Coefficients, Factor, Prepared, Workspace};
 use crate::{Domain, Frame, Method, Parameters, Query, Real, Scene};
@@ -21,7 +21,7 @@ const NEGLIGIBLE: f32 = 1e-6;
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
 #[derive(Debug)]
-pub struct Evaluator<'a, T, const K: usize = 96, const M: usize = 16, const N: usize = 32> {
+pub struct Evaluator<'a, T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
     model: &'a Model<'a>,
     workspace: &'a mut Workspace<T, K, M, N>,
 }
@@ -315,9 +315,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     pub fn outline(&mut self, name: &str, frame: Frame, out: &mut [[T; 2]]) -> Result<usize, EvaluateError> {
         let nodes = self.model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
         let out = room(out, nodes.len())?;
-        let shape = self.shape(frame);
+        let (shape, plane) = (self.shape(frame), Plane::of(name));
         for (node, out) in nodes.iter().zip(&mut *out) {
-            *out = axial_radial(shape.node(node)?);
+            *out = shape.axial_radial(node, plane)?;
         }
         Ok(out.len())
     }

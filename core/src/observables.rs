@@ -3,7 +3,7 @@
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
-use crate::reconstruct::Snapshot;
+use crate::reconstruct::{Plane, Snapshot};
 
 /// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are from the two section
 /// outlines; extremes are those of the parabola through the extreme node of an outline and its two neighbours, the nodes
@@ -41,8 +41,8 @@ impl<T: Real> Extremes<T> {
         let (Some(midplane), Some(diagonal)) = (model.node_set(MIDPLANE), model.node_set(DIAGONAL)) else {
             return Self::of_all(snapshot);
         };
-        let midplane = Outline::new(midplane, snapshot)?;
-        let diagonal = Outline::new(diagonal, snapshot)?;
+        let midplane = Outline::new(midplane, Plane::Mirror, snapshot)?;
+        let diagonal = Outline::new(diagonal, Plane::Diagonal, snapshot)?;
         Ok(Self {
             front: midplane.front.value().max(diagonal.front.value()),
             rear: -midplane.rear.value().max(diagonal.rear.value()),
@@ -114,7 +114,7 @@ struct Outline<T> {
 }
 
 impl<T: Real> Outline<T> {
-    fn new(nodes: Indices<'_>, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
+    fn new(nodes: Indices<'_>, plane: Plane, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let mut outline = Self {
             front: Greatest::NONE,
             rear: Greatest::NONE,
@@ -122,7 +122,7 @@ impl<T: Real> Outline<T> {
             rear_pole: T::ZERO,
         };
         for node in nodes.iter() {
-            let [x, r] = axial_radial(snapshot.node(node)?);
+            let [x, r] = snapshot.axial_radial(node, plane)?;
             outline.front.push(x);
             outline.rear.push(-x);
             outline.width.push(r);
@@ -130,11 +130,6 @@ impl<T: Real> Outline<T> {
         }
         Ok(outline)
     }
-}
-
-/// A point as [x, r].
-pub(crate) fn axial_radial<T: Real>([x, y, z]: [T; 3]) -> [T; 2] {
-    [x, (y * y + z * z).sqrt()]
 }
 
 /// The greatest of a sequence of values, with its two neighbours. Beyond its ends, which are the poles, an outline

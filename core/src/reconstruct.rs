@@ -1,7 +1,7 @@
 //! From coefficients to vectors at the nodes, for the asked nodes only.
 
 use crate::error::EvaluateError;
-use crate::model::{MatrixView, Mesh, Model, apply};
+use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, apply};
 use crate::{Nodes, Real};
 
 /// A field at an instant: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation.
@@ -17,14 +17,47 @@ pub(crate) struct Snapshot<'a, 's, T> {
     pub(crate) translation: T,
 }
 
+/// The plane through the axis in which an outline lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Plane {
+    /// z = 0
+    Mirror,
+    /// y = z
+    Diagonal,
+    /// Of a set of nodes that is not known to stay in a plane.
+    Other,
+}
+
+impl Plane {
+    /// The plane of a named set of nodes.
+    pub(crate) fn of(name: &str) -> Self {
+        match name {
+            MIDPLANE => Self::Mirror,
+            DIAGONAL => Self::Diagonal,
+            _ => Self::Other,
+        }
+    }
+}
+
 impl<T: Real> Snapshot<'_, '_, T> {
     /// The vector at a sector node.
     fn sector_node(&self, node: usize) -> [T; 3] {
-        let reference = self.mesh.sector_reference(node);
-        let [x, y, z] = core::array::from_fn(|axis| {
-            self.scale * T::from_f32(reference[axis]) + self.modes.dot(3 * node + axis, self.coefficients)
-        });
+        let [x, y, z] = core::array::from_fn(|axis| self.component(node, axis));
         [x + self.translation, y, z]
+    }
+
+    /// A component of the vector at a sector node, without the translation.
+    fn component(&self, node: usize, axis: usize) -> T {
+        let reference = T::from_f32(self.mesh.sector_reference_component(node, axis));
+        self.scale * reference + self.modes.dot(3 * node + axis, self.coefficients)
+    }
+
+    /// Sector node and operation of a node.
+    fn origin(&self, node: usize) -> Result<(usize, u8), EvaluateError> {
+        self.mesh.origin(node).ok_or(EvaluateError::UnknownNode {
+            node,
+            nodes: self.mesh.nodes(),
+        })
     }
 
     /// The vector at a node.
@@ -32,12 +65,29 @@ impl<T: Real> Snapshot<'_, '_, T> {
     /// # Errors
     /// No such node; a result that is not finite.
     pub(crate) fn node(&self, node: usize) -> Result<[T; 3], EvaluateError> {
-        let unknown = EvaluateError::UnknownNode {
-            node,
-            nodes: self.mesh.nodes(),
-        };
-        let (representative, operation) = self.mesh.origin(node).ok_or(unknown)?;
+        let (representative, operation) = self.origin(node)?;
         finite(apply(operation, self.sector_node(representative)))
+    }
+
+    /// A node of an outline as [x, r] with r = sqrt(y^2 + z^2).
+    ///
+    /// # Errors
+    /// As [`node`](Self::node).
+    pub(crate) fn axial_radial(&self, node: usize, plane: Plane) -> Result<[T; 2], EvaluateError> {
+        let (representative, operation) = self.origin(node)?;
+        let component = |axis| self.component(representative, axis);
+        let [y, z] = match plane {
+            // The mirror plane holds its nodes: what is across it is 0.
+            Plane::Mirror => [component(if operation & 4 == 0 { 1 } else { 2 }), T::ZERO],
+            Plane::Diagonal => [component(1) * T::from_f64(core::f64::consts::SQRT_2), T::ZERO],
+            Plane::Other => [component(1), component(2)],
+        };
+        let radius = match plane {
+            Plane::Other => (y * y + z * z).sqrt(),
+            _ => y.abs(),
+        };
+        let [x, radius, _] = finite([component(0) + self.translation, radius, T::ZERO])?;
+        Ok([x, radius])
     }
 
     /// The vectors of a choice of nodes; returns how many there are.

@@ -11,7 +11,7 @@ use crate::{Domain, Query, Real};
 /// Capacities: `K` modes (K, translation included, and K_c), `M` local modes (m_u, m_v), `N` samples that take part in a
 /// query, at most 64.
 #[derive(Clone, Debug)]
-pub struct Workspace<T, const K: usize = 96, const M: usize = 16, const N: usize = 32> {
+pub struct Workspace<T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
     pub(crate) prepared: Option<Prepared<T>>,
     /// Room for one matrix at a time: the kernel's, then the snapshots' factor of either field.
     pub(crate) scratch: Factor<T>,

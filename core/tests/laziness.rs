@@ -151,7 +151,8 @@ fn a_scene_pays_for_itself_alone() {
     );
 
     // Observables: the two outlines; nothing more of the velocity than was read for the displacement.
-    let outlines = (family.sphere.midplane.len() + family.sphere.diagonal.len()) * NODE;
+    // In its plane, a node has two components.
+    let outlines = (family.sphere.midplane.len() + family.sphere.diagonal.len()) * NODE * 2 / 3;
     let observables = reads(|| instant.observables().unwrap());
     assert!((outlines..outlines + 80).contains(&observables), "{observables}");
     // A quarter of the elements, each node where it is needed.

@@ -7,7 +7,7 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 
 /// The most modes of a field that a workspace holds, the translation included.
-pub const MOST_MODES: usize = 96;
+pub const MOST_MODES: usize = 97;
 /// The most local modes of a field that a workspace holds.
 pub const MOST_LOCAL_MODES: usize = 16;
 /// The most samples that take part in a query.

@@ -84,6 +84,11 @@ impl<'a> Mesh<'a> {
         core::array::from_fn(|axis| self.sector_reference.get(sector_node, axis))
     }
 
+    /// One component of it.
+    pub(crate) fn sector_reference_component(&self, sector_node: usize, axis: usize) -> f32 {
+        self.sector_reference.get(sector_node, axis)
+    }
+
     /// Reference position of a full node, if there is such a node.
     pub fn reference(&self, node: usize) -> Option<[f32; 3]> {
         let (sector_node, operation) = self.origin(node)?;

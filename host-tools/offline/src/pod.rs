@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 
 use crate::samples::State;
-use crate::settings::{MAX_RANK, Truncation};
+use crate::settings::{MAX_MODES, Truncation};
 use crate::splines::TimeFit;
 use crate::svd::left_singular;
 use crate::{OfflineError, Ranks};
@@ -13,13 +13,16 @@ use crate::{OfflineError, Ranks};
 /// a share of the model's own.
 const WORKING_SHARE: f64 = 0.1;
 /// What the splines may add, as a share of the error of the modes.
-const TIME_SHARE: f64 = 0.3;
+const TIME_SHARE: f64 = 0.8;
 /// What rows of the core that are left out may add, and what the digits of the others may.
-const GRADING_SHARE: f64 = 0.2;
+const GRADING_SHARE: f64 = 0.9;
 /// What the translation's modes may leave.
 const AXIAL_SHARE: f64 = 0.05;
 /// The error of the modes where ranks are given instead, l.
 const RANKS_TOLERANCE: f64 = 1e-4;
+
+/// Ranks are multiples of this: the core adds products eight at a time, and what is beyond one by one.
+const LANES: usize = 8;
 
 /// The most modes of the translation that the core holds.
 const MAX_AXIAL: usize = 16;
@@ -121,11 +124,13 @@ impl Snapshots {
         let stacked = hstack(&shapes);
         let (space, space_values) = left_singular(stacked.as_ref())?;
         let space_rank = match self.truncation {
-            Truncation::Tolerance(tolerance) => rank(&space_values, tolerance, self.nodes * stacked.ncols()),
+            Truncation::Tolerance(tolerance) => {
+                rank(&space_values, tolerance, self.nodes * stacked.ncols()).next_multiple_of(LANES)
+            }
             Truncation::Ranks(Ranks { space, .. }) => space - 1,
         };
         let modes = space
-            .subcols(0, space_rank.min(MAX_RANK - 1).min(space.ncols()))
+            .subcols(0, space_rank.min(MAX_MODES).min(space.ncols()))
             .to_owned();
         let transposed = modes.transpose().to_owned();
 
@@ -142,10 +147,10 @@ impl Snapshots {
         let values = self.nodes * slices * count;
         let (parameter, parameter_values) = left_singular(stacked.as_ref())?;
         let parameter_rank = match self.truncation {
-            Truncation::Tolerance(tolerance) => rank(&parameter_values, tolerance, values),
+            Truncation::Tolerance(tolerance) => rank(&parameter_values, tolerance, values).next_multiple_of(LANES),
             Truncation::Ranks(Ranks { parameter, .. }) => parameter,
         };
-        let columns = parameter_rank.clamp(1, MAX_RANK).min(parameter.ncols());
+        let columns = parameter_rank.clamp(1, MAX_MODES).min(parameter.ncols());
         let parameter_modes = parameter.subcols(0, columns).to_owned();
         let core = product(&parameter_modes.transpose().to_owned(), &stacked);
 

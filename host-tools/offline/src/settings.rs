@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use crate::OfflineError;
 
-/// The largest rank that is kept: the default capacity of the core's workspace.
-pub(crate) const MAX_RANK: usize = 96;
+/// The most modes that are kept: with the translation the default capacity of the core's workspace.
+pub(crate) const MAX_MODES: usize = 96;
 
 /// Settings of the offline stage; the default is what the shipped model is built with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -219,7 +219,7 @@ impl Settings {
             }
             Truncation::Ranks(Ranks { space, parameter }) => {
                 for (name, value) in [("space rank", space), ("parameter rank", parameter)] {
-                    if !(1..=MAX_RANK).contains(&value) {
+                    if !(1..=MAX_MODES).contains(&value) {
                         return bad(name, value as f64, "a rank from 1 to 96");
                     }
                 }
