@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 // The most modes of a field that a workspace holds, the translation included.
-#define CAPSULE_MOST_MODES 96
+#define CAPSULE_MOST_MODES 97
 
 // The most local modes of a field that a workspace holds.
 #define CAPSULE_MOST_LOCAL_MODES 16
@@ -33,7 +33,7 @@
 #define CAPSULE_MOST_NEIGHBOURS 32
 
 // Words of eight bytes in a workspace.
-#define CAPSULE_WORKSPACE_WORDS 3944
+#define CAPSULE_WORKSPACE_WORDS 4000
 
 // Bytes of a workspace.
 #define CAPSULE_WORKSPACE_SIZE (CAPSULE_WORKSPACE_WORDS * 8)

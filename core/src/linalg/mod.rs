@@ -22,9 +22,9 @@ pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
-/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8, the lanes are added in
-/// pairs, and then the entries beyond the last whole eight: wide enough to vectorise, and the same sum whatever the
-/// target's vectors are.
+/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8 and the lanes
+/// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are, and however many
+/// zeros follow.
 pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
     let mut lanes = [T::ZERO; LANES];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
@@ -43,11 +43,12 @@ pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T)
         ];
         lanes = add_products(lanes, values, *x);
     }
-    let mut rest = T::ZERO;
-    for (a, x) in a_rest.iter().zip(x_rest) {
-        rest += value(*a) * *x;
+    if !a_rest.is_empty() {
+        let values = core::array::from_fn(|i| a_rest.get(i).map_or(T::ZERO, |a| value(*a)));
+        let x = core::array::from_fn(|i| x_rest.get(i).copied().unwrap_or(T::ZERO));
+        lanes = add_products(lanes, values, x);
     }
-    sum(lanes) + rest
+    sum(lanes)
 }
 
 /// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in

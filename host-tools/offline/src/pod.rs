@@ -15,7 +15,7 @@ const WORKING_SHARE: f64 = 0.1;
 /// What the splines may add, as a share of the error of the modes.
 const TIME_SHARE: f64 = 0.8;
 /// What rows of the core that are left out may add, and what the digits of the others may.
-const GRADING_SHARE: f64 = 0.9;
+const GRADING_SHARE: f64 = 0.8;
 /// What the translation's modes may leave.
 const AXIAL_SHARE: f64 = 0.05;
 /// The error of the modes where ranks are given instead, l.
