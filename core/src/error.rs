@@ -284,6 +284,13 @@ pub enum EvaluateError {
         /// How much farther, in units of the interpolation error's deviation.
         ratio: f64,
     },
+    /// The query lies so far from the samples that these are one point to it: nothing can be extrapolated.
+    FarOutside {
+        /// Distance from the centroid of the samples that take part, in their spread.
+        distance: f64,
+        /// The greatest that is answered.
+        limit: f64,
+    },
     /// No steady state exists at these parameters.
     BeyondSteadyLimit {
         /// Ca.
@@ -355,6 +362,10 @@ impl Display for EvaluateError {
             Self::FarFromSamples { ratio } => write!(
                 f,
                 "no sample is near: the interpolation is {ratio:.1} times as uncertain as at any sample that was left out"
+            ),
+            Self::FarOutside { distance, limit } => write!(
+                f,
+                "the samples are {distance:.1} times as far as they are spread: up to {limit} times can be extrapolated"
             ),
             Self::BeyondSteadyLimit {
                 capillary_number,

@@ -7,14 +7,14 @@ use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
 use crate::mechanics::Membrane;
-use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
+use crate::model::wire::{Cluster, Errors, Reference};
 use crate::model::{MatrixView, Model};
 use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
 use crate::workspace::{Coefficients, Factor, Prepared, Workspace};
-use crate::{Domain, Frame, Method, Parameters, Query, Real, Scene};
+use crate::{Domain, Frame, Method, Query, Real, Scene};
 
 /// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
 const NEGLIGIBLE: f32 = 1e-6;
@@ -72,17 +72,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             return Err(EvaluateError::NotPrepared);
         };
         let parameters = &query.parameters;
-        let samples = MatrixView::new(&cluster.samples)
-            .rows_of::<T, MAX_PARAMETERS>()
-            .map(Parameters::from);
         let coordinates = Coordinates::new(contents);
-        workspace.weights = match query.method {
-            Method::Direct => {
-                let scratch = workspace.scratch.as_flattened_mut();
-                Weights::kernel(&contents.kernel, &coordinates, samples, parameters, None, scratch)?
-            }
-            Method::Paper => Weights::diffuse(&contents.paper, &coordinates, samples, parameters, None)?,
-        };
+        let (samples, scratch) = (&cluster.samples, workspace.scratch.as_flattened_mut());
+        let weights = &mut workspace.weights;
+        match query.method {
+            Method::Direct => weights.kernel(&contents.kernel, &coordinates, samples, parameters, None, scratch)?,
+            Method::Paper => weights.diffuse(&contents.paper, &coordinates, samples, parameters, None, scratch)?,
+        }
         if domain == Domain::Inside && contents.steady_limit.rows == 0 {
             domain = reach(cluster, query, &workspace.weights)?;
         }

@@ -9,11 +9,11 @@ use crate::{Domain, Query, Real};
 /// that nothing is computed twice as long as the query stays.
 ///
 /// Capacities: `K` modes (K, translation included, and K_c), `M` local modes (m_u, m_v), `N` samples that take part in a
-/// query, at most 64.
+/// query, at most 56.
 #[derive(Clone, Debug)]
 pub struct Workspace<T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
     pub(crate) prepared: Option<Prepared<T>>,
-    /// Room for one matrix at a time: the kernel's, then the snapshots' factor of either field.
+    /// Room for one thing at a time: the interpolation, then the snapshots' factor of either field.
     pub(crate) scratch: Factor<T>,
     pub(crate) weights: Weights<T, N>,
     pub(crate) contracted: Contracted<T, K>,
@@ -57,7 +57,12 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
 impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M, N> {
     /// An empty workspace.
     pub const fn new() -> Self {
-        const { assert!(N <= PAPER_MODES, "the kernel's matrix must fit into the scratch") };
+        const {
+            assert!(
+                Weights::<T, N>::SCRATCH <= PAPER_MODES * PAPER_MODES,
+                "the interpolation must fit into the scratch"
+            )
+        };
         Self {
             prepared: None,
             scratch: [[T::ZERO; PAPER_MODES]; PAPER_MODES],

@@ -136,9 +136,8 @@ fn samples_close_to_each_other() {
     assert!(error_at_distance::<f64>(1e-9).is_err());
 }
 
-/// The weights grow with the distance from the samples, and rounding with them. What comes out is finite or refused; fifty
-/// times beyond the sampled range the direct method still follows the family, which is linear in Ca, farther out its
-/// numbers mean nothing. The line goes through two answers within the range.
+/// The weights grow with the distance from the samples, and rounding with them. Where the direct method answers it follows
+/// the family, which is linear in Ca; farther out a query is refused. The line goes through two answers within the range.
 #[test]
 fn extrapolation_that_goes_too_far() {
     let file = Family::new(2).file();
@@ -159,12 +158,15 @@ fn extrapolation_that_goes_too_far() {
         let far = 10_f32.powi(power);
         for method in [Method::Direct, Method::Paper] {
             let found = axial_length(method, far);
-            let refused = matches!(found, Err(EvaluateError::Weights { .. } | EvaluateError::NotFinite));
-            assert!(refused || found.is_ok_and(f32::is_finite), "{far}: {found:?}");
+            let refused = matches!(found, Err(EvaluateError::FarOutside { distance, limit }) if distance > limit);
+            let linear = inside[0] + slope * (far - 0.01);
+            // The paper's steps have an error of their own.
+            let tolerance = if method == Method::Direct { 2e-3 } else { 1e-2 };
+            let follows = found
+                .as_ref()
+                .is_ok_and(|found| (found - linear).abs() < tolerance * linear);
+            assert!(refused || follows, "{far} {method:?}: {found:?}, {linear}");
+            assert_eq!(refused, far > 0.1, "{far} {method:?}");
         }
-        let found = axial_length(Method::Direct, far);
-        let linear = inside[0] + slope * (far - 0.01);
-        let follows = found.is_ok_and(|found| (found - linear).abs() < 2e-3 * linear);
-        assert!(follows || far > 10.0, "{far}: {found:?}, {linear}");
     }
 }

@@ -148,6 +148,10 @@ impl From<EvaluateError> for Error {
                 .what("distance from the samples")
                 .found(ratio)
                 .greatest(1.0),
+            EvaluateError::FarOutside { distance, limit } => Self::from(Status::OutsideDomain)
+                .what("distance from the samples in their spread")
+                .found(distance)
+                .greatest(limit),
             EvaluateError::BeyondSteadyLimit {
                 capillary_number,
                 limit,

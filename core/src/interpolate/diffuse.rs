@@ -6,12 +6,10 @@
 //! terms, which leaves sum L = 1 and the first order untouched where the samples do not determine them; and samples
 //! beyond a jump of the solution take no part, because a polynomial through a jump swings on both sides of it.
 
-use super::coordinates::{apart, scaled};
-use super::neighbours::{Neighbour, nearest};
-use super::{Coordinates, Weights, at_query, minus, square};
+use super::{Coordinates, Storage, Weights};
 use crate::error::EvaluateError;
-use crate::linalg::{Qr, part, part_mut};
-use crate::model::wire::Paper;
+use crate::linalg::Qr;
+use crate::model::wire::{Matrix, Paper};
 use crate::{Parameters, Real};
 
 /// Square root of the ridge on the second-order terms.
@@ -34,83 +32,64 @@ pub(crate) fn weight<T: Real>(d: T) -> T {
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples at a query with as many parameters, by diffuse approximation: A p(theta_q) of eqs. (25) and
-    /// (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond a border of
-    /// the coordinates take no part, nor does `left_out`.
+    /// Weights of the samples, rows of parameters, at a query with as many parameters, by diffuse approximation: A p(theta_q)
+    /// of eqs. (25) and (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond the border of the
+    /// coordinates take no part, nor does `left_out`. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
     ///
     /// # Errors
-    /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart.
+    /// As [`kernel`](Self::kernel).
     pub fn diffuse(
+        &mut self,
         settings: &Paper,
         coordinates: &Coordinates<'_>,
-        samples: impl Iterator<Item = Parameters<T>>,
+        samples: &Matrix<'_>,
         query: &Parameters<T>,
         left_out: Option<usize>,
-    ) -> Result<Self, EvaluateError> {
-        match query.as_slice().len() {
-            1 => Self::diffuse_in::<1, 3>(settings, coordinates, samples, query.array(), left_out),
-            2 => Self::diffuse_in::<2, 6>(settings, coordinates, samples, query.array(), left_out),
-            3 => Self::diffuse_in::<3, 10>(settings, coordinates, samples, query.array(), left_out),
-            _ => Self::diffuse_in::<4, 15>(settings, coordinates, samples, query.array(), left_out),
-        }
-    }
-
-    /// In `P` parameters, in which there are `C` monomials up to degree two.
-    #[inline(never)]
-    fn diffuse_in<const P: usize, const C: usize>(
-        settings: &Paper,
-        coordinates: &Coordinates<'_>,
-        samples: impl Iterator<Item = Parameters<T>>,
-        query: [T; P],
-        left_out: Option<usize>,
-    ) -> Result<Self, EvaluateError> {
-        let ridge_rows = ridge_rows(P);
-        let side = coordinates.side(query);
-        let offset = |sample: Parameters<T>, limit| {
-            let sample: [T; P] = sample.array();
-            let offset = scaled(&settings.scales, minus(sample, query));
-            let near = square(offset) < limit && !apart(coordinates.side(sample), side);
-            near.then_some(offset)
+        scratch: &mut [T],
+    ) -> Result<(), EvaluateError> {
+        self.degree = SURE_DEGREE;
+        let scaled = Coordinates {
+            scales: settings.scales,
+            limit: None,
+            ..*coordinates
         };
-        let mut neighbours = [Neighbour::NONE; N];
-        let found = nearest(
-            samples,
-            left_out,
-            offset,
-            part_mut(&mut neighbours, 0..N.saturating_sub(ridge_rows)),
-        );
-        let holds = usize::from(settings.neighbours).clamp(1, found.max(1));
-        let last = part(&neighbours, 0..holds).last().map_or(T::ZERO, Neighbour::distance);
-        let radius = T::from_f64(settings.radius) * last;
-        let within = |neighbour: &&Neighbour<T, P>| neighbour.distance() < radius || neighbour.distance() == T::ZERO;
-        let n = neighbours.iter().take(found).take_while(within).count();
-        let mut weights = Self::new(part(&neighbours, 0..n), radius, SURE_DEGREE);
-
-        let mut columns = weights.monomials::<P, C>();
+        let ridge_rows = ridge_rows(query.as_slice().len());
+        self.find(&scaled, samples, query, left_out, N.saturating_sub(ridge_rows));
+        let holds = usize::from(settings.neighbours).clamp(1, self.count.max(1));
+        let radius = T::from_f64(settings.radius) * self.distance(holds);
+        self.count = (0..self.count)
+            .take_while(|j| self.distance(j + 1) < radius || self.distance(j + 1) == T::ZERO)
+            .count();
+        let n = self.count;
         let mut roots = [T::ZERO; N];
-        for (root, neighbour) in roots.iter_mut().zip(&neighbours).take(n) {
-            let d = if radius > T::ZERO {
-                neighbour.distance() / radius
+        for (j, root) in roots.iter_mut().enumerate().take(n) {
+            let share = if radius > T::ZERO {
+                self.distance(j + 1) / radius
             } else {
                 T::ZERO
             };
-            *root = weight(d).sqrt();
+            *root = weight(share).sqrt();
         }
-        for column in &mut columns {
+        self.scale(radius)?;
+
+        let columns = self.monomials(Storage::<T, N>::new(scratch)?.columns);
+        for column in &mut *columns {
             for (value, root) in column.iter_mut().zip(&roots) {
                 *value *= *root;
             }
         }
-        for (row, column) in columns.iter_mut().skip(1 + P).enumerate() {
+        for (row, column) in columns.iter_mut().skip(1 + self.dimensions).enumerate() {
             if let Some(value) = column.get_mut(n + row) {
                 *value = T::from_f32(RIDGE);
             }
         }
-        let qr = Qr::new(n + ridge_rows, columns);
-        let mut solution = qr.solve_transposed(&at_query());
-        qr.times(&mut solution);
+        let solution = Qr::new(n + ridge_rows, columns).first();
         // The roots are zero where the ridge's rows are.
-        weights.values = core::array::from_fn(|j| roots[j] * solution[j]);
-        weights.normalised()
+        for ((weight, root), value) in self.values.iter_mut().zip(&roots).zip(&solution) {
+            *weight = *root * *value;
+        }
+        self.normalise()?;
+        self.variance = self.quadratic_form();
+        Ok(())
     }
 }

@@ -4,22 +4,26 @@ mod coordinates;
 mod diffuse;
 mod kernel;
 pub(crate) mod neighbours;
-mod plane;
 
-use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::part_mut;
-use crate::model::wire::MAX_PARAMETERS;
+use crate::linalg::{MOST_COLUMNS, part, part_mut};
+use crate::model::wire::{MAX_PARAMETERS, Matrix};
+use crate::{Parameters, Real};
 pub use coordinates::Coordinates;
 pub(crate) use diffuse::{ridge_rows, weight};
-use neighbours::Neighbour;
-pub use plane::Plane;
+use neighbours::Nearest;
+
+/// How far from the samples that take part a query may be, in their spread (the root of their mean square distance from
+/// their centroid): from farther they are one point, and the weights that reproduce quadratics grow with the square of
+/// the ratio, and with them the rounding of the data.
+pub(crate) const REACH: f32 = 10.0;
 
 /// Weights L_j of at most `N` samples, and where these lie relative to the query.
 #[derive(Clone, Debug)]
 pub struct Weights<T, const N: usize> {
     count: usize,
     samples: [u16; N],
+    /// The weights; while they are computed, first the squares of the samples' distances.
     values: [T; N],
     /// Number of parameters.
     dimensions: usize,
@@ -28,11 +32,16 @@ pub struct Weights<T, const N: usize> {
     radius: T,
     /// Degree of the polynomials that the weights are sure to reproduce.
     degree: usize,
+    /// Square of the deviation where the radius is 1.
+    variance: T,
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
+    /// Numbers that the computation needs beside the weights: the monomials' columns and the kernel's matrix.
+    pub const SCRATCH: usize = (MOST_COLUMNS + N) * N;
+
     /// No weights.
-    pub(crate) const EMPTY: Self = Self {
+    pub const EMPTY: Self = Self {
         count: 0,
         degree: 0,
         dimensions: 1,
@@ -40,47 +49,110 @@ impl<T: Real, const N: usize> Weights<T, N> {
         values: [T::ZERO; N],
         offsets: [[T::ZERO; MAX_PARAMETERS]; N],
         radius: T::ZERO,
+        variance: T::ZERO,
     };
 
-    fn new<const P: usize>(neighbours: &[Neighbour<T, P>], radius: T, degree: usize) -> Self {
-        let mut weights = Self {
-            count: neighbours.len(),
-            radius,
-            degree,
-            dimensions: P,
-            ..Self::EMPTY
-        };
-        let scale = if radius > T::ZERO { T::ONE / radius } else { T::ZERO };
-        let places = weights.samples.iter_mut().zip(&mut weights.offsets);
-        for ((sample, offset), neighbour) in places.zip(neighbours) {
-            // Validation bounds the number of samples.
-            *sample = neighbour.sample as u16;
-            for (offset, value) in offset.iter_mut().zip(neighbour.offset) {
-                *offset = value * scale;
+    /// Takes the `wanted` samples nearest to a query, in order of distance. Samples may come in any order; the search is
+    /// quick where they come in rows of the same last parameter, and these in order.
+    #[inline(never)]
+    fn find(
+        &mut self,
+        coordinates: &Coordinates<'_>,
+        samples: &Matrix<'_>,
+        query: &Parameters<T>,
+        left_out: Option<usize>,
+        wanted: usize,
+    ) {
+        let dimensions = query.as_slice().len().max(1);
+        let mut around = coordinates.around(query);
+        let mut nearest = Nearest::<T, MAX_PARAMETERS, N>::new(wanted);
+        // The number at which a sample's last parameter is, and that parameter.
+        let (numbers, _) = samples.blob.data.as_chunks::<4>();
+        let value = |bytes: &[u8; 4]| T::from_f32(f32::from_le_bytes(*bytes));
+        let last = |sample: usize| (sample + 1) * dimensions - 1;
+        let place = |sample: usize| numbers.get(last(sample)).map_or(T::ZERO, value);
+        let count = numbers.len() / dimensions;
+        let [mut start, mut end] = [0, count];
+        while start < end {
+            let middle = (start + end) / 2;
+            [start, end] = if place(middle) < around.last() {
+                [middle + 1, end]
+            } else {
+                [start, middle]
+            };
+        }
+        for sample in (start..count).chain((0..start).rev()) {
+            let difference = around.scale() * (place(sample) - around.last());
+            if difference * difference >= nearest.limit() || Some(sample) == left_out {
+                continue;
+            }
+            let parameters = core::array::from_fn(|d| {
+                let number = numbers.get(sample * dimensions + d).filter(|_| d < dimensions);
+                number.map_or(T::ZERO, value)
+            });
+            if let Some((square, offset)) = around.offset(parameters, nearest.limit()) {
+                nearest.offer(sample, square, offset);
             }
         }
-        weights
+        self.dimensions = dimensions;
+        self.count = nearest.count();
+        let places = self.samples.iter_mut().zip(&mut self.values).zip(&mut self.offsets);
+        for (((sample, square), place), (neighbour, offset)) in places.zip(nearest.iter()) {
+            (*sample, *square, *place) = (neighbour.number, neighbour.square, *offset);
+        }
     }
 
-    /// The offsets in their dimensions.
-    fn offsets_in<const P: usize>(&self) -> [[T; P]; N] {
-        self.offsets.map(|offset| core::array::from_fn(|d| offset[d]))
+    /// Distance of the `rank`-th nearest sample, counted from 1.
+    fn distance(&self, rank: usize) -> T {
+        rank.checked_sub(1)
+            .and_then(|j| self.values.get(j))
+            .map_or(T::ZERO, |square| square.sqrt())
     }
 
-    /// The `C` monomials up to degree two in `P` dimensions at the samples, one column each: 1, x, y, x^2, x y, y^2 for
-    /// P = 2.
-    fn monomials<const P: usize, const C: usize>(&self) -> [[T; N]; C] {
-        let mut columns = [[T::ZERO; N]; C];
+    /// Divides the offsets by a radius, after a check that the query is within reach of the samples.
+    fn scale(&mut self, radius: T) -> Result<(), EvaluateError> {
+        self.radius = radius;
+        let scale = if radius > T::ZERO { T::ONE / radius } else { T::ZERO };
+        let mut centroid = [T::ZERO; MAX_PARAMETERS];
+        let share = T::ONE / T::from_index(self.count.max(1));
+        let offsets = part_mut(&mut self.offsets, 0..self.count);
+        for offset in &mut *offsets {
+            for (x, mean) in offset.iter_mut().zip(&mut centroid) {
+                *x *= scale;
+                *mean += *x * share;
+            }
+        }
+        let spread = offsets
+            .iter()
+            .fold(T::ZERO, |sum, offset| sum + square(minus(*offset, centroid)))
+            * share;
+        let limit = T::from_f32(REACH);
+        if square(centroid) <= limit * limit * spread {
+            return Ok(());
+        }
+        Err(EvaluateError::FarOutside {
+            distance: (square(centroid) / spread).sqrt().to_f64(),
+            limit: f64::from(REACH),
+        })
+    }
+
+    /// The monomials up to degree two in the dimensions at the samples, one column each: 1, x, y, x^2, x y, y^2 for two.
+    /// The other entries are zeros.
+    fn monomials<'s>(&self, columns: &'s mut [[T; N]]) -> &'s mut [[T; N]] {
+        let p = self.dimensions;
+        let columns = part_mut(columns, 0..1 + p + ridge_rows(p));
+        columns.as_flattened_mut().fill(T::ZERO);
         for (j, offset) in self.offsets.iter().enumerate().take(self.count) {
-            let linear = offset.iter().take(P);
-            let products = linear
-                .clone()
-                .enumerate()
-                .flat_map(|(d, x)| offset.iter().take(P).skip(d).map(move |y| *x * *y));
-            let row = core::iter::once(T::ONE).chain(linear.copied()).chain(products);
-            for (column, value) in columns.iter_mut().zip(row) {
-                if let Some(entry) = column.get_mut(j) {
-                    *entry = value;
+            let mut entries = columns.iter_mut().filter_map(|column| column.get_mut(j));
+            let offset = part(offset, 0..p);
+            entries.by_ref().take(1).for_each(|entry| *entry = T::ONE);
+            // The entries come second: a zip takes from the first before it sees that the second has no more.
+            for (x, entry) in offset.iter().zip(entries.by_ref()) {
+                *entry = *x;
+            }
+            for (d, x) in offset.iter().enumerate() {
+                for (y, entry) in part(offset, d..p).iter().zip(entries.by_ref()) {
+                    *entry = *x * *y;
                 }
             }
         }
@@ -88,7 +160,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
     }
 
     /// Checks that the weights sum to 1 but for rounding, and takes the rounding away.
-    fn normalised(mut self) -> Result<Self, EvaluateError> {
+    fn normalise(&mut self) -> Result<(), EvaluateError> {
         let values = part_mut(&mut self.values, 0..self.count);
         let sum = values.iter().copied().sum::<T>();
         if (sum - T::ONE).abs() > T::EPSILON.sqrt() || !sum.is_finite() {
@@ -97,7 +169,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         for value in values {
             *value = *value / sum;
         }
-        Ok(self)
+        Ok(())
     }
 
     /// The samples that take part and their weights.
@@ -119,62 +191,70 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// of that kernel (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 where the query is a sample that
     /// the weights return, and growing with the distance from the samples to the power 5/2 or 3/2.
     pub fn deviation(&self) -> T {
-        match self.dimensions {
-            1 => self.deviation_in::<1>(),
-            2 => self.deviation_in::<2>(),
-            3 => self.deviation_in::<3>(),
-            _ => self.deviation_in::<MAX_PARAMETERS>(),
-        }
-    }
-
-    fn deviation_in<const P: usize>(&self) -> T {
-        let two = T::from_f32(2.0);
-        let offsets: [[T; P]; N] = self.offsets_in();
-        let placed = || self.values.iter().zip(&offsets).take(self.count);
-        let mut square = T::ZERO;
-        for (i, (value, offset)) in placed().enumerate() {
-            let mut row = -two * covariance(self.degree, *offset, [T::ZERO; P]);
-            for (other, place) in placed().take(i) {
-                row += two * *other * covariance(self.degree, *offset, *place);
-            }
-            square += *value * row;
-        }
         let powers = 2 * self.degree + 1;
         (0..powers)
-            .fold(square.max(T::ZERO), |square, _| square * self.radius)
+            .fold(self.variance.max(T::ZERO), |square, _| square * self.radius)
             .sqrt()
+    }
+
+    /// L^T S L - 2 L^T s with the covariances S of the samples and s of these with the query.
+    fn quadratic_form(&self) -> T {
+        let two = T::from_f32(2.0);
+        let placed = || self.values.iter().zip(&self.offsets).take(self.count);
+        placed().enumerate().fold(T::ZERO, |sum, (i, (value, offset))| {
+            let row = placed()
+                .take(i)
+                .fold(-covariance(self.degree, square(*offset)), |row, (other, place)| {
+                    row + *other * covariance(self.degree, square(minus(*offset, *place)))
+                });
+            sum + two * *value * row
+        })
     }
 }
 
-/// Polyharmonic kernel that is positive definite, in any dimension, on weights that annihilate polynomials of a degree:
-/// -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
-fn covariance<T: Real, const P: usize>(degree: usize, a: [T; P], b: [T; P]) -> T {
-    let offset = minus(a, b);
-    let square = square(offset);
+/// Room for the columns of monomials and for the kernel's matrix.
+struct Storage<'s, T, const N: usize> {
+    columns: &'s mut [[T; N]],
+    matrix: &'s mut [[T; N]],
+}
+
+impl<'s, T: Real, const N: usize> Storage<'s, T, N> {
+    fn new(scratch: &'s mut [T]) -> Result<Self, EvaluateError> {
+        let (required, found) = (Weights::<T, N>::SCRATCH, scratch.len());
+        let (rows, _) = scratch.as_chunks_mut::<N>();
+        match rows.split_at_mut_checked(MOST_COLUMNS) {
+            Some((columns, matrix)) if matrix.len() >= N => Ok(Self { columns, matrix }),
+            _ => Err(EvaluateError::BufferTooShort { required, found }),
+        }
+    }
+}
+
+/// Polyharmonic kernel of the square of a distance that is positive definite, in any dimension, on weights that annihilate
+/// polynomials of a degree: -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
+fn covariance<T: Real>(degree: usize, square: T) -> T {
     (0..degree).fold(-square.sqrt(), |value, _| -(value * square))
 }
 
-/// First unit vector: the monomials at the query.
-fn at_query<T: Real, const C: usize>() -> [T; C] {
-    core::array::from_fn(|k| if k == 0 { T::ONE } else { T::ZERO })
-}
-
-/// Square of the length of a vector of parameters, which are too few for lanes.
-pub(crate) fn square<T: Real, const P: usize>(vector: [T; P]) -> T {
-    vector.iter().fold(T::ZERO, |sum, x| sum + *x * *x)
+/// Square of the length of a vector of parameters. Written out as the next two: optimised for size, it would be a loop.
+fn square<T: Real>([a, b, c, d]: [T; MAX_PARAMETERS]) -> T {
+    (a * a + b * b) + (c * c + d * d)
 }
 
 /// a - b.
-fn minus<T: Real, const P: usize>(a: [T; P], b: [T; P]) -> [T; P] {
-    core::array::from_fn(|d| a[d] - b[d])
+fn minus<T: Real>(a: [T; MAX_PARAMETERS], b: [T; MAX_PARAMETERS]) -> [T; MAX_PARAMETERS] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+}
+
+/// The products of two vectors' entries.
+fn times<T: Real>(a: [T; MAX_PARAMETERS], b: [T; MAX_PARAMETERS]) -> [T; MAX_PARAMETERS] {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Parameters;
     use crate::model::Curve;
-    use crate::model::wire::{Kernel, Matrix, Paper};
+    use crate::model::wire::{Blob, Kernel, Paper};
 
     const N: usize = 32;
     const KERNEL: Kernel = Kernel {
@@ -195,21 +275,28 @@ mod tests {
         0.3 - 0.2 * confinement
     }
 
-    /// The bytes of rows (a/l, Ca).
-    fn points(points: [[f32; 2]; 2]) -> [u8; 16] {
-        let mut bytes = [0; 16];
-        for (bytes, value) in bytes.chunks_exact_mut(4).zip(points.as_flattened()) {
-            bytes.copy_from_slice(&value.to_le_bytes());
-        }
-        bytes
+    /// The bytes of rows of two numbers: points (a/l, Ca) of a curve or samples (Ca, a/l).
+    fn bytes<const R: usize>(rows: [[f32; 2]; R]) -> [[[u8; 4]; 2]; R] {
+        rows.map(|row| row.map(f32::to_le_bytes))
     }
 
-    /// A grid of samples, 20 x `rows`.
-    fn grid<T: Real>(rows: usize) -> impl Iterator<Item = [T; 2]> + Clone {
-        (0..20 * rows).map(|i| {
-            let [column, row] = [i % 20, i / 20].map(|i| i as f64);
-            [0.01 + 0.01 * column, 0.75 + 0.05 * row].map(T::from_f64)
-        })
+    fn matrix<const R: usize>(bytes: &[[[u8; 4]; 2]; R]) -> Matrix<'_> {
+        Matrix::f32(R as u32, 2, bytes.as_flattened().as_flattened())
+    }
+
+    /// Sample of a grid of 20 columns.
+    fn grid(sample: usize) -> [f32; 2] {
+        let [column, row] = [sample % 20, sample / 20].map(|i| i as f64);
+        [(0.01 + 0.01 * column) as f32, (0.75 + 0.05 * row) as f32]
+    }
+
+    /// The coordinates of the channel, with the limit.
+    fn channel<'a>(limit: &Matrix<'a>, border: &Matrix<'a>) -> Coordinates<'a> {
+        Coordinates {
+            scales: KERNEL.scales,
+            limit: Some(Curve::new(limit)),
+            border: Curve::new(border),
+        }
     }
 
     fn weights<T: Real>(kernel: bool, rows: usize, query: [f64; 2], left_out: Option<usize>) -> Weights<T, N> {
@@ -224,26 +311,28 @@ mod tests {
         query: [f64; 2],
         left_out: Option<usize>,
     ) -> Weights<T, N> {
-        let limit = points([[0.5, 0.2], [1.25, 0.05]]);
-        let coordinates = Coordinates::Channel(Plane {
-            capillary_scale: KERNEL.scales[0],
-            limit: Curve::new(&Matrix::f32(2, 2, &limit)),
-            border: Curve::new(border),
-        });
+        let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
+        let coordinates = channel(&matrix(&limit), border);
         let query = Parameters::from(query.map(T::from_f64));
-        let samples = grid(rows).map(Parameters::from);
-        let mut scratch = [T::ZERO; N * N];
-        let weights = if kernel {
-            Weights::kernel(&KERNEL, &coordinates, samples, &query, left_out, &mut scratch)
-        } else {
-            Weights::diffuse(&PAPER, &coordinates, samples, &query, left_out)
+        let grid = bytes::<200>(core::array::from_fn(grid));
+        let samples = Matrix {
+            rows: 20 * rows as u32,
+            blob: Blob::new(&grid.as_flattened().as_flattened()[..8 * 20 * rows]),
+            ..matrix(&grid)
         };
-        weights.unwrap()
+        let (mut weights, mut scratch) = (Weights::EMPTY, [T::ZERO; 64 * 64]);
+        let done = if kernel {
+            weights.kernel(&KERNEL, &coordinates, &samples, &query, left_out, &mut scratch)
+        } else {
+            weights.diffuse(&PAPER, &coordinates, &samples, &query, left_out, &mut scratch)
+        };
+        done.unwrap();
+        weights
     }
 
     /// sum_j L_j f(theta_j).
-    fn interpolate<T: Real>(weights: &Weights<T, N>, rows: usize, f: impl Fn([f64; 2]) -> f64) -> f64 {
-        let value = |sample| f(grid::<f64>(rows).nth(sample).unwrap());
+    fn interpolate<T: Real>(weights: &Weights<T, N>, f: impl Fn([f64; 2]) -> f64) -> f64 {
+        let value = |sample| f(grid(sample).map(f64::from));
         weights
             .iter()
             .map(|(sample, weight)| weight.to_f64() * value(sample))
@@ -259,15 +348,15 @@ mod tests {
                 let x = (ca / limit(y).sqrt().sqrt()).sqrt();
                 1.0 + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
             };
-            let found = interpolate(&weights::<f64>(true, 10, query, None), 10, root);
+            let found = interpolate(&weights::<f64>(true, 10, query, None), root);
             assert!((found - root(query)).abs() < 1e-12, "{query:?}");
-            let found = interpolate(&weights::<f32>(true, 10, query, None), 10, root);
+            let found = interpolate(&weights::<f32>(true, 10, query, None), root);
             assert!((found - root(query)).abs() < 5e-6, "{query:?} {found}");
             // Five rows of a/l are within reach at the finer spacing of the first query only.
             let plain = |[x, y]: [f64; 2]| 1.0 + 3.0 * x - 2.0 * y + 50.0 * x * x - 4.0 * x * y;
-            let found = interpolate(&weights::<f64>(false, 10, query, None), 10, plain);
+            let found = interpolate(&weights::<f64>(false, 10, query, None), plain);
             assert!((found - plain(query)).abs() < 1e-5, "{query:?} {found}");
-            let found = interpolate(&weights::<f32>(false, 10, query, None), 10, plain);
+            let found = interpolate(&weights::<f32>(false, 10, query, None), plain);
             assert!((found - plain(query)).abs() < 2e-5, "{query:?} {found}");
         }
     }
@@ -308,30 +397,27 @@ mod tests {
     #[test]
     fn samples_close_to_each_other_do_no_harm_in_single_precision() {
         // As beside the steady limit: a grid, and every sample a second and third time a little beside it.
-        let limit = points([[0.5, 0.2], [1.25, 0.05]]);
-        let nothing = Matrix::f32(0, 2, &[]);
-        let plane = Coordinates::Channel(Plane {
-            capillary_scale: KERNEL.scales[0],
-            limit: Curve::new(&Matrix::f32(2, 2, &limit)),
-            border: Curve::new(&nothing),
-        });
-        fn dense<T: Real>() -> impl Iterator<Item = [T; 2]> {
-            let near = |[ca, a]: [f64; 2]| [0.0, 0.00125, 0.0025].map(|step| [ca + step, a].map(T::from_f64));
-            grid::<f64>(10).flat_map(near)
+        fn dense(sample: usize) -> [f32; 2] {
+            let [ca, confinement] = grid(sample / 3);
+            [ca + [0.0, 0.00125, 0.0025][sample % 3], confinement]
         }
-        fn weights<T: Real>(plane: &Coordinates<'_>, query: [f64; 2]) -> Weights<T, N> {
-            let (samples, query) = (dense().map(Parameters::from), Parameters::from(query.map(T::from_f64)));
-            Weights::kernel(&KERNEL, plane, samples, &query, None, &mut [T::ZERO; N * N]).unwrap()
+        fn weights<T: Real>(query: [f64; 2]) -> Weights<T, N> {
+            let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
+            let coordinates = channel(&matrix(&limit), &Matrix::f32(0, 2, &[]));
+            let samples = bytes::<600>(core::array::from_fn(dense));
+            let query = Parameters::from(query.map(T::from_f64));
+            let (mut weights, mut scratch) = (Weights::EMPTY, [T::ZERO; 64 * 64]);
+            let done = weights.kernel(&KERNEL, &coordinates, &matrix(&samples), &query, None, &mut scratch);
+            done.unwrap();
+            weights
         }
         let f = |[ca, a]: [f64; 2]| (30.0 * ca).sin() * (2.0 * a).exp();
         let sum = |weights: &mut dyn Iterator<Item = (usize, f64)>| -> f64 {
-            weights
-                .map(|(j, weight)| weight * f(dense::<f64>().nth(j).unwrap()))
-                .sum()
+            weights.map(|(j, weight)| weight * f(dense(j).map(f64::from))).sum()
         };
         for query in [[0.105, 0.925], [0.1512, 0.81], [0.062, 1.02], [0.0905, 0.88]] {
-            let single = weights::<f32>(&plane, query);
-            let double = weights::<f64>(&plane, query);
+            let single = weights::<f32>(query);
+            let double = weights::<f64>(query);
             let found = [
                 sum(&mut single.iter().map(|(j, weight)| (j, f64::from(weight)))),
                 sum(&mut double.iter()),
@@ -355,9 +441,9 @@ mod tests {
 
     #[test]
     fn weights_do_not_cross_the_border() {
-        let bytes = points([[0.7, 0.035], [1.0, 0.035]]);
-        let border = Matrix::f32(2, 2, &bytes);
-        let place = |sample: usize| grid::<f64>(10).nth(sample).unwrap();
+        let bytes = bytes([[0.7, 0.035], [1.0, 0.035]]);
+        let border = matrix(&bytes);
+        let place = grid;
         for kernel in [true, false] {
             for (query, below) in [([0.033, 0.92], true), ([0.037, 0.92], false)] {
                 let weights = weights_beside::<f64>(&border, kernel, 10, query, None);
@@ -378,7 +464,7 @@ mod tests {
         for kernel in [true, false] {
             for rows in [1, 2] {
                 let weights = weights::<f32>(kernel, rows, [0.105, 0.775], None);
-                let found = interpolate(&weights, rows, |[ca, _]| ca);
+                let found = interpolate(&weights, |[ca, _]| ca);
                 assert!((found - 0.105).abs() < 1e-3, "{rows} {found}");
             }
         }
@@ -393,17 +479,18 @@ mod tests {
         const MONOMIALS: usize = 6;
         const SIZE: usize = 30;
         assert_eq!(n + MONOMIALS, SIZE);
-        let columns = weights.monomials::<2, MONOMIALS>();
+        let mut columns = [[0.0; N]; MONOMIALS];
+        weights.monomials(&mut columns);
         let mut system = [[0.0; SIZE + 1]; SIZE];
         for i in 0..n {
             for j in 0..n {
                 let scatter = if i == j { f64::from(3e-5_f32) } else { 0.0 };
-                system[i][j] = covariance(2, offsets[i], offsets[j]) + scatter;
+                system[i][j] = covariance(2, square(minus(offsets[i], offsets[j]))) + scatter;
             }
             for k in 0..MONOMIALS {
                 (system[i][n + k], system[n + k][i]) = (columns[k][i], columns[k][i]);
             }
-            system[i][SIZE] = covariance(2, offsets[i], [0.0; 4]);
+            system[i][SIZE] = covariance(2, square(offsets[i]));
         }
         system[n][SIZE] = 1.0;
         for k in 0..SIZE {
@@ -429,7 +516,8 @@ mod tests {
         let query = [0.1075, 0.95];
         let weights = weights::<f64>(false, 10, query, None);
         const MONOMIALS: usize = 6;
-        let columns = weights.monomials::<2, MONOMIALS>();
+        let mut columns = [[0.0; N]; MONOMIALS];
+        weights.monomials(&mut columns);
         let w: [f64; N] = core::array::from_fn(|j| weight(square(weights.offsets[j]).sqrt()));
         let mut system = [[0.0; MONOMIALS + 1]; MONOMIALS];
         for a in 0..MONOMIALS {

@@ -1,66 +1,98 @@
 //! The samples nearest to a query, or the nodes nearest to a node.
 
-use super::square;
 use crate::Real;
-use crate::linalg::part;
-use crate::model::MOST_SAMPLES;
+use crate::linalg::part_mut;
 
-/// A sample near the query.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Neighbour<T, const P: usize> {
-    /// Number of the sample.
-    pub(crate) sample: usize,
-    /// Its place minus the query's, in the interpolation's coordinates.
-    pub(crate) offset: [T; P],
-    /// Square of the offset's length.
-    square: T,
+/// The nearest of the things that it was given, at most `N`. Their offsets stay where they were put, only the order is kept
+/// up.
+#[derive(Debug)]
+pub(crate) struct Nearest<T, const P: usize, const N: usize> {
+    wanted: usize,
+    count: usize,
+    limit: T,
+    order: [Neighbour<T>; N],
+    offsets: [[T; P]; N],
 }
 
-/// The nearest samples in order of distance (at equal distance, of their number), as many as `out` holds; returns how
-/// many there are. `offset` gives the offset of a sample; it may give none where the square of its length is no less than
-/// the limit that it is given, or where the sample takes no part. Nor do those at no finite distance.
-pub(crate) fn nearest<S, T: Real, const P: usize>(
-    samples: impl Iterator<Item = S>,
-    left_out: Option<usize>,
-    offset: impl Fn(S, T) -> Option<[T; P]>,
-    out: &mut [Neighbour<T, P>],
-) -> usize {
-    let mut count = 0;
-    // Most samples are farther than all that are kept.
-    let mut limit = T::from_f32(f32::INFINITY);
-    for (sample, given) in samples.enumerate().take(MOST_SAMPLES) {
-        if Some(sample) == left_out {
-            continue;
-        }
-        let Some(offset) = offset(given, limit) else { continue };
-        let Some(square) = Some(square(offset)).filter(|square| *square < limit) else {
-            continue;
-        };
-        let place = part(out, 0..count).partition_point(|neighbour| neighbour.square <= square);
-        count = (count + 1).min(out.len());
-        // Every one from its place on moves up by one, and the last falls out.
-        if let Some(moved @ [_, ..]) = out.get_mut(place..count) {
-            moved.rotate_right(1);
-            moved[0] = Neighbour { sample, offset, square };
-        }
-        if let (true, Some(last)) = (count == out.len(), out.last()) {
-            limit = last.square;
+/// One of the nearest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Neighbour<T> {
+    /// Square of the offset's length.
+    pub(crate) square: T,
+    /// As it was given.
+    pub(crate) number: u16,
+    /// Where its offset is.
+    slot: u16,
+}
+
+impl<T: Real, const P: usize, const N: usize> Nearest<T, P, N> {
+    /// Keeps the `wanted` nearest.
+    pub(crate) fn new(wanted: usize) -> Self {
+        Self {
+            wanted: wanted.min(N),
+            count: 0,
+            limit: T::from_f32(f32::INFINITY),
+            order: core::array::from_fn(|slot| Neighbour {
+                square: T::ZERO,
+                number: 0,
+                slot: slot as u16,
+            }),
+            offsets: [[T::ZERO; P]; N],
         }
     }
-    count
-}
 
-impl<T: Real, const P: usize> Neighbour<T, P> {
-    /// A place holder.
-    pub(crate) const NONE: Self = Self {
-        sample: 0,
-        offset: [T::ZERO; P],
-        square: T::ZERO,
-    };
+    /// The square of the distance from which on nothing is kept. Most are farther than all that are kept.
+    pub(crate) fn limit(&self) -> T {
+        self.limit
+    }
 
-    /// Length of the offset.
-    pub(crate) fn distance(&self) -> T {
-        self.square.sqrt()
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Keeps what lies at `offset`, `square` being the square of its length, if it is near enough. At equal distance those
+    /// given first come first; what is at no finite distance is not kept. Numbers fit a u16, as those of samples and nodes
+    /// in a model do.
+    pub(crate) fn offer(&mut self, number: usize, square: T, offset: [T; P]) {
+        let near = square < self.limit;
+        if !near {
+            return;
+        }
+        // The farthest makes room.
+        self.count = (self.count + 1).min(self.wanted);
+        let kept = part_mut(&mut self.order, 0..self.count);
+        let Some(Neighbour { slot, .. }) = kept.last().copied() else {
+            return;
+        };
+        if let Some(place) = self.offsets.get_mut(usize::from(slot)) {
+            *place = offset;
+        }
+        // Every one that is farther moves up by one.
+        let Some((mut free, nearer)) = kept.split_last_mut() else {
+            return;
+        };
+        for other in nearer.iter_mut().rev().take_while(|other| other.square > square) {
+            *free = *other;
+            free = other;
+        }
+        *free = Neighbour {
+            square,
+            number: number as u16,
+            slot,
+        };
+        if self.count == self.wanted {
+            self.limit = kept.last().map_or(T::ZERO, |last| last.square);
+        }
+    }
+
+    /// Those kept, in order of distance, and their offsets.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&Neighbour<T>, &[T; P])> {
+        let offset = |neighbour: &Neighbour<T>| self.offsets.get(usize::from(neighbour.slot));
+        self.order
+            .iter()
+            .take(self.count)
+            .filter_map(move |neighbour| Some((neighbour, offset(neighbour)?)))
     }
 }
 
@@ -68,31 +100,45 @@ impl<T: Real, const P: usize> Neighbour<T, P> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn keeps_the_nearest_in_order() {
-        let offsets = [[3.0, 0.0], [0.0, 1.0], [2.0, 0.0], [0.0, -1.0], [0.5, 0.0]];
-        let mut out = [Neighbour::NONE; 3];
-        let mut search = |offsets: &[[f64; 2]], left_out| {
-            let found = nearest(offsets.iter(), left_out, |offset, _| Some(*offset), &mut out);
-            (found, out.map(|neighbour| neighbour.sample))
-        };
-        assert_eq!(search(&offsets, None), (3, [4, 1, 3]));
-        assert_eq!(search(&offsets, Some(4)), (3, [1, 3, 2]));
-        assert_eq!(search(&offsets[..1], None).0, 1);
-        let apart = offsets.map(|[x, y]| if x > 1.0 { [f64::INFINITY; 2] } else { [x, y] });
-        assert_eq!(search(&apart, None), (3, [4, 1, 3]));
+    fn square<const P: usize>(offset: [f64; P]) -> f64 {
+        offset.iter().map(|x| x * x).sum()
+    }
+
+    /// The numbers kept, in order.
+    fn numbers<const P: usize, const N: usize>(offsets: &[[f64; P]]) -> [Option<u16>; N] {
+        let mut nearest = Nearest::<f64, P, N>::new(N);
+        for (number, offset) in offsets.iter().enumerate() {
+            nearest.offer(number, square(*offset), *offset);
+        }
+        let mut numbers = [None; N];
+        for (out, (neighbour, offset)) in numbers.iter_mut().zip(nearest.iter()) {
+            assert_eq!(*offset, offsets[usize::from(neighbour.number)]);
+            assert_eq!(neighbour.square, square(*offset));
+            *out = Some(neighbour.number);
+        }
+        numbers
     }
 
     #[test]
-    fn what_is_beyond_the_limit_need_not_be_measured() {
+    fn keeps_the_nearest_in_order() {
+        let offsets = [[3.0, 0.0], [0.0, 1.0], [2.0, 0.0], [0.0, -1.0], [0.5, 0.0]];
+        assert_eq!(numbers(&offsets), [4, 1, 3].map(Some));
+        assert_eq!(numbers(&offsets[..1]), [Some(0), None]);
+        assert_eq!(numbers(&offsets[..3]), [Some(1), Some(2), Some(0), None]);
+        let apart = offsets.map(|[x, y]| if x > 1.0 { [f64::INFINITY; 2] } else { [x, y] });
+        assert_eq!(numbers(&apart), [Some(4), Some(1), Some(3), None]);
+        assert_eq!(numbers(&offsets), []);
+    }
+
+    #[test]
+    fn agrees_with_sorting() {
         let offsets: [[f64; 1]; 40] = core::array::from_fn(|i| [((7 * i) % 40) as f64 - 19.3]);
-        let mut out = [[Neighbour::NONE; 5]; 2];
-        let lazy = |offset: &[f64; 1], limit| (offset[0] * offset[0] < limit).then_some(*offset);
-        nearest(offsets.iter(), None, |offset, _| Some(*offset), &mut out[0]);
-        nearest(offsets.iter(), None, lazy, &mut out[1]);
-        assert_eq!(
-            out[0].map(|neighbour| neighbour.sample),
-            out[1].map(|neighbour| neighbour.sample)
-        );
+        let mut sorted: [u16; 40] = core::array::from_fn(|i| i as u16);
+        sorted.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|i| offsets[usize::from(*i)][0].abs());
+            a.total_cmp(&b)
+        });
+        assert_eq!(numbers::<1, 5>(&offsets)[..], sorted.map(Some)[..5]);
+        assert_eq!(numbers(&offsets), sorted.map(Some));
     }
 }

@@ -1,6 +1,6 @@
 //! Cholesky solution of a small positive definite system.
 
-use super::{dot, part};
+use super::{add_scaled, dot_in_order, part, part_mut};
 use crate::Real;
 
 /// Solves the trailing block, from row and column `first` on, of a symmetric matrix for the same entries of `b`, in
@@ -22,7 +22,7 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
             let Some((done, [value, ..])) = row.split_at_mut_checked(j) else {
                 return;
             };
-            let sum = dot(part(done, first..j), part(earlier, first..j));
+            let sum = dot_in_order(part(done, first..j), part(earlier, first..j));
             *value = quotient(*value - sum, entry(earlier, j));
         }
         let Some((done, [pivot, ..])) = row.split_at_mut_checked(i) else {
@@ -32,18 +32,16 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
             return;
         };
         let done = part(done, first..i);
-        let square = *pivot - dot(done, done);
+        let square = *pivot - dot_in_order(done, done);
         *pivot = if square > floor { square.sqrt() } else { T::ZERO };
-        *value = quotient(*value - dot(done, part(solved, first..i)), *pivot);
+        *value = quotient(*value - dot_in_order(done, part(solved, first..i)), *pivot);
     }
     for (i, row) in matrix.iter().enumerate().skip(first).rev() {
         let Some((open, [value, ..])) = b.split_at_mut_checked(i) else {
             return;
         };
         *value = quotient(*value, entry(row, i));
-        for (open, factor) in open.iter_mut().zip(row).skip(first) {
-            *open -= *factor * *value;
-        }
+        add_scaled(part_mut(open, first..i), -*value, part(row, first..i));
     }
 }
 

@@ -4,7 +4,7 @@ pub(crate) mod cholesky;
 pub(crate) mod jacobi;
 mod qr;
 
-pub(crate) use qr::Qr;
+pub(crate) use qr::{MOST_COLUMNS, Qr, symmetric_times};
 
 use crate::Real;
 use core::ops::Range;
@@ -78,6 +78,11 @@ fn sum<T: Real>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
 /// Dot product of two vectors.
 pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     dot_by(a, x, |value| value)
+}
+
+/// Dot product of two short vectors, in order: lanes pay for themselves from a few dozen entries on.
+pub(crate) fn dot_in_order<T: Real>(a: &[T], x: &[T]) -> T {
+    a.iter().zip(x).fold(T::ZERO, |sum, (a, x)| sum + *a * *x)
 }
 
 /// y <- y + factor times stored entries.

@@ -1,66 +1,62 @@
 //! Householder QR of a tall matrix with few columns, which leaves out columns that depend on those before.
 
-use super::{add_scaled, dot, part, part_mut};
+use super::{add_scaled, dot_in_order, part, part_mut};
 use crate::Real;
 
 /// A column whose part outside the columns before it is less than this share of its length is left out.
 const DEPENDENT: f32 = 1e-5;
 
-/// Q and R of columns of `N` entries, the last of which may be padding. All vectors have `N` entries too, of
-/// which the first `rows` take part.
+/// The most columns.
+pub(crate) const MOST_COLUMNS: usize = 15;
+
+/// Q and R of columns, in the place of these. Columns and vectors have `N` entries, of which the first `rows` take part.
 #[derive(Debug)]
-pub(crate) struct Qr<T, const N: usize, const C: usize> {
+pub(crate) struct Qr<'s, T, const N: usize> {
     rows: usize,
     rank: usize,
-    /// Reflector k: I - v v^T, with zeros in the first k entries of v.
-    reflectors: [[T; N]; C],
-    /// Column k of R, up to its diagonal, belongs to the k-th column kept; then come zeros.
-    r: [[T; C]; C],
-    diagonals: [T; C],
-    kept: [usize; C],
+    /// Of column k, the k-th kept, the entries before k are those of R, the others those of v in the reflector I - v v^T.
+    columns: &'s mut [[T; N]],
+    /// Of R.
+    diagonals: [T; MOST_COLUMNS],
 }
 
-impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
-    /// Factors columns whose entries from `rows` on are zeros.
-    pub(crate) fn new(rows: usize, columns: [[T; N]; C]) -> Self {
-        const { assert!(C <= N, "a tall matrix") };
-        let mut qr = Self {
-            rows,
-            rank: 0,
-            reflectors: [[T::ZERO; N]; C],
-            r: [[T::ZERO; C]; C],
-            diagonals: [T::ZERO; C],
-            kept: [0; C],
-        };
-        for (index, mut column) in columns.into_iter().enumerate() {
-            let length = dot(&column, &column).sqrt();
-            qr.transpose_times(&mut column);
-            // The first `rank` entries belong to R, the rest is to be reflected onto the next.
-            let k = qr.rank;
-            for (r, value) in part_mut(&mut qr.r, k..k + 1)
-                .as_flattened_mut()
-                .iter_mut()
-                .zip(&mut column)
-                .take(k)
-            {
-                (*r, *value) = (*value, T::ZERO);
+impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
+    /// Factors at most [`MOST_COLUMNS`] columns.
+    pub(crate) fn new(rows: usize, columns: &'s mut [[T; N]]) -> Self {
+        let (mut rank, mut diagonals) = (0, [T::ZERO; MOST_COLUMNS]);
+        for index in 0..columns.len() {
+            let Some((done, open)) = columns.split_at_mut_checked(rank) else {
+                break;
+            };
+            let (Some(column), Some(diagonal)) = (open.get_mut(index - rank), diagonals.get_mut(rank)) else {
+                break;
+            };
+            let column = part_mut(column, 0..rows);
+            let length = dot_in_order(column, column).sqrt();
+            for (k, reflector) in done.iter().enumerate() {
+                reflect(part(reflector, k..rows), part_mut(column, k..rows));
             }
-            let norm = dot(&column, &column).sqrt();
-            let (Some(head), true) = (column.get_mut(k), k < rows && norm > length * T::from_f32(DEPENDENT)) else {
+            // The first `rank` entries belong to R, the rest is to be reflected onto the next.
+            let column = part_mut(column, rank..rows);
+            let norm = dot_in_order(column, column).sqrt();
+            let (true, Some(head)) = (norm > length * T::from_f32(DEPENDENT), column.first_mut()) else {
                 continue;
             };
-            let diagonal = if *head > T::ZERO { -norm } else { norm };
-            *head -= diagonal;
-            let scale = (T::from_f32(2.0) / dot(&column, &column)).sqrt();
-            if let (Some(reflector), Some(r), Some(kept)) =
-                (qr.reflectors.get_mut(k), qr.diagonals.get_mut(k), qr.kept.get_mut(k))
-            {
-                *reflector = column.map(|value| scale * value);
-                (*r, *kept) = (diagonal, index);
-                qr.rank += 1;
+            *diagonal = if *head > T::ZERO { -norm } else { norm };
+            let share = T::ONE / (norm * (norm + head.abs())).sqrt();
+            *head -= *diagonal;
+            for value in column {
+                *value *= share;
             }
+            open.swap(0, index - rank);
+            rank += 1;
         }
-        qr
+        Self {
+            rows,
+            rank,
+            columns,
+            diagonals,
+        }
     }
 
     /// Number of columns kept.
@@ -68,63 +64,105 @@ impl<T: Real, const N: usize, const C: usize> Qr<T, N, C> {
         self.rank
     }
 
+    /// The reflectors and the first entry that each acts on.
+    fn reflectors(&self) -> impl DoubleEndedIterator<Item = (usize, &[T])> + ExactSizeIterator {
+        let columns = part(self.columns, 0..self.rank).iter().enumerate();
+        columns.map(|(k, column)| (k, part(column, k..self.rows)))
+    }
+
     /// x <- Q^T x.
     pub(crate) fn transpose_times(&self, x: &mut [T; N]) {
-        for v in self.reflectors.iter().take(self.rank) {
-            let (v, x) = (part(v, 0..self.rows), part_mut(x, 0..self.rows));
-            let share = dot(v, x);
-            add_scaled(x, -share, v);
+        for (k, v) in self.reflectors() {
+            reflect(v, part_mut(x, k..self.rows));
         }
     }
 
     /// x <- Q x.
     pub(crate) fn times(&self, x: &mut [T; N]) {
-        for v in part(&self.reflectors, 0..self.rank).iter().rev() {
-            let (v, x) = (part(v, 0..self.rows), part_mut(x, 0..self.rows));
-            let share = dot(v, x);
-            add_scaled(x, -share, v);
+        for (k, v) in self.reflectors().rev() {
+            reflect(v, part_mut(x, k..self.rows));
         }
     }
 
-    /// S <- Q^T S Q of a symmetric matrix of as many rows as the columns have, of which only the lower half is read and
-    /// written: with p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T.
+    /// The shortest x whose product with column 0 is 1 and with the other columns kept 0: Q R^-T e_0.
+    pub(crate) fn first(&self) -> [T; N] {
+        let mut x = [T::ZERO; N];
+        let columns = part(self.columns, 0..self.rank).iter().zip(&self.diagonals);
+        for (k, (column, diagonal)) in columns.enumerate() {
+            let right = if k == 0 { T::ONE } else { T::ZERO };
+            let value = (right - dot_in_order(part(column, 0..k), part(&x, 0..k))) / *diagonal;
+            part_mut(&mut x, k..k + 1).fill(value);
+        }
+        self.times(&mut x);
+        x
+    }
+
+    /// S <- Q^T S Q of a symmetric matrix of as many rows as the columns have, of which only the lower half is read.
+    /// Only the lower half of what belongs to the null space of the columns is right afterwards: rows and columns from the
+    /// rank on. With p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T; where the next
+    /// reflector acts, its p is summed on the way.
     pub(crate) fn conjugate(&self, matrix: &mut [[T; N]]) {
-        for v in self.reflectors.iter().take(self.rank) {
-            let mut w = [T::ZERO; N];
-            for (i, (row, x)) in matrix.iter().zip(v).enumerate() {
-                if let ([before @ .., diagonal], v) = (part(row, 0..i + 1), part(v, 0..i)) {
-                    let own = dot(before, v) + *diagonal * *x;
-                    add_scaled(&mut w, *x, before);
-                    part_mut(&mut w, i..i + 1).iter_mut().for_each(|w| *w += own);
-                }
-            }
-            let half = dot(&w, v) * T::from_f32(0.5);
-            add_scaled(&mut w, -half, v);
-            for (i, ((row, v_i), w_i)) in matrix.iter_mut().zip(v).zip(&w).enumerate() {
-                for ((value, v), w) in row.iter_mut().zip(v).zip(&w).take(i + 1) {
-                    *value -= *v_i * *w + *w_i * *v;
+        let Some(first) = self.columns.first() else { return };
+        let mut product = [T::ZERO; N];
+        symmetric_times(matrix, first, &mut product);
+        for (k, v) in self.columns.iter().enumerate().take(self.rank) {
+            let mut w = product;
+            let (v, w) = (part(v, k..self.rows), part_mut(&mut w, k..self.rows));
+            let half = dot_in_order(w, v) * T::from_f32(0.5);
+            add_scaled(w, -half, v);
+            let next = self.columns.get(k + 1).filter(|_| k + 1 < self.rank);
+            let next = next.map_or(&[][..], |next| part(next, k + 1..self.rows));
+            product = [T::ZERO; N];
+            let product = part_mut(&mut product, k + 1..self.rows);
+            let (v, w) = (part(v, 1..v.len()), part(w, 1..w.len()));
+            let rows = matrix.iter_mut().skip(k + 1).zip(v).zip(w);
+            for (i, ((row, &v_i), &w_i)) in rows.enumerate() {
+                let row = part_mut(row, k + 1..k + 2 + i);
+                if let Some(&next_i) = next.get(i) {
+                    let mut own = T::ZERO;
+                    let places = row.iter_mut().zip(v).zip(w).zip(next).zip(&mut *product);
+                    for ((((value, v), w), next), product) in places {
+                        *value -= v_i * *w + w_i * *v;
+                        own += *value * *next;
+                        *product += *value * next_i;
+                    }
+                    // The diagonal was counted on both sides of it.
+                    if let (Some(product), Some(diagonal)) = (product.get_mut(i), row.last()) {
+                        *product += own - *diagonal * next_i;
+                    }
+                } else {
+                    for ((value, v), w) in row.iter_mut().zip(v).zip(w) {
+                        *value -= v_i * *w + w_i * *v;
+                    }
                 }
             }
         }
     }
+}
 
-    /// R^-T b in the first `rank` entries, then zeros; b is given at all columns.
-    pub(crate) fn solve_transposed(&self, b: &[T; C]) -> [T; N] {
-        let mut solution = [T::ZERO; C];
-        for k in 0..self.rank.min(C) {
-            let right = b.get(self.kept[k]).copied().unwrap_or(T::ZERO);
-            solution[k] = (right - dot(&self.r[k], &solution)) / self.diagonals[k];
+/// x <- (I - v v^T) x.
+fn reflect<T: Real>(v: &[T], x: &mut [T]) {
+    let share = dot_in_order(v, x);
+    add_scaled(x, -share, v);
+}
+
+/// out <- out + S x of a symmetric matrix, of which only the lower half is read.
+pub(crate) fn symmetric_times<T: Real, const N: usize>(matrix: &[[T; N]], x: &[T; N], out: &mut [T; N]) {
+    for (i, (row, x_i)) in matrix.iter().zip(x).enumerate() {
+        let mut own = T::ZERO;
+        for ((value, x), out) in row.iter().zip(x).zip(&mut *out).take(i) {
+            own += *value * *x;
+            *out += *value * *x_i;
         }
-        let mut padded = [T::ZERO; N];
-        for (padded, value) in padded.iter_mut().zip(solution) {
-            *padded = value;
+        if let (Some(out), Some(diagonal)) = (out.get_mut(i), row.get(i)) {
+            *out += own + *diagonal * *x_i;
         }
-        padded
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::dot;
     use super::*;
 
     const COLUMNS: [[f64; 5]; 4] = [
@@ -137,19 +175,23 @@ mod tests {
     #[test]
     fn least_norm_solution_meets_the_kept_constraints() {
         // Column 2 is twice column 1: it must be left out.
-        let qr = Qr::new(5, COLUMNS);
+        let mut columns = COLUMNS;
+        let qr = Qr::new(5, &mut columns);
         assert_eq!(qr.rank(), 3);
-        let b = [1.0, -0.4, f64::NAN, 2.0];
-        let mut x = qr.solve_transposed(&b);
-        qr.times(&mut x);
-        for c in [0, 1, 3] {
-            assert!((dot(&COLUMNS[c], &x) - b[c]).abs() < 1e-14);
+        let x = qr.first();
+        for (column, expected) in [(0, 1.0), (1, 0.0), (2, 0.0), (3, 0.0)] {
+            assert!((dot(&COLUMNS[column], &x) - expected).abs() < 1e-14);
         }
+        // The shortest is a combination of the columns: nothing of it is in their null space.
+        let mut inside = x;
+        qr.transpose_times(&mut inside);
+        assert!(inside[3..].iter().all(|value| value.abs() < 1e-15), "{inside:?}");
     }
 
     #[test]
     fn conjugation_is_a_similarity() {
-        let qr = Qr::new(5, COLUMNS);
+        let mut columns = COLUMNS;
+        let qr = Qr::new(5, &mut columns);
         let mut matrix: [[f64; 5]; 5] =
             core::array::from_fn(|i| core::array::from_fn(|j| 1.0 / (1.0 + (i + j) as f64)));
         let before = matrix;
@@ -163,12 +205,21 @@ mod tests {
                 matrix[i][j] = matrix[j][i];
             }
         }
-        // x^T S y = (Q^T x)^T (Q^T S Q) (Q^T y).
-        let (x, y) = ([0.3, -1.0, 0.2, 0.5, 0.9], [1.0, 0.4, -0.6, 0.1, -0.2]);
-        let form = |s: &[[f64; 5]], x: &[f64], y: &[f64]| (0..5).map(|i| x[i] * dot(&s[i], y)).sum::<f64>();
+        // In the null space, x^T (Q^T S Q) y = (Q x)^T S (Q y).
+        let (x, y) = ([0.0, 0.0, 0.0, 0.5, 0.9], [0.0, 0.0, 0.0, 0.1, -0.2]);
+        let form = |s: &[[f64; 5]], x: &[f64], y: &[f64]| (3..5).map(|i| x[i] * dot(&s[i][3..], &y[3..])).sum::<f64>();
         let (mut qx, mut qy) = (x, y);
-        qr.transpose_times(&mut qx);
-        qr.transpose_times(&mut qy);
-        assert!((form(&before, &x, &y) - form(&matrix, &qx, &qy)).abs() < 1e-14);
+        qr.times(&mut qx);
+        qr.times(&mut qy);
+        let whole = (0..5).map(|i| qx[i] * dot(&before[i], &qy)).sum::<f64>();
+        assert!((whole - form(&matrix, &x, &y)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_symmetric_product_reads_the_lower_half() {
+        let matrix = [[2.0, f64::NAN, f64::NAN], [1.0, 3.0, f64::NAN], [-1.0, 0.5, 4.0]];
+        let mut out = [1.0, 0.0, 0.0];
+        symmetric_times(&matrix, &[1.0, 2.0, 3.0], &mut out);
+        assert_eq!(out, [2.0, 8.5, 12.0]);
     }
 }

@@ -3,7 +3,7 @@
 use super::{Deformation, plus};
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::interpolate::neighbours::{Neighbour, nearest};
+use crate::interpolate::neighbours::Nearest;
 use crate::linalg::{add_scaled, dot};
 use crate::model::Mesh;
 
@@ -53,23 +53,22 @@ impl<T: Real> Stencil<T> {
         };
         let centre = nodes.clone().nth(node).ok_or_else(unknown)?;
         let axes = tangents(centre);
-        let mut nearby = [Neighbour::NONE; NEIGHBOURS + 1];
-        let found = nearest(
-            nodes,
-            Some(node),
-            |point, _| Some(projection(centre, &axes, point)),
-            &mut nearby,
-        );
-        let few = EvaluateError::FewNodes { node };
         // The last has no weight: it only says how far the stencil reaches.
-        let Some((nearby, [last])) = nearby.split_first_chunk::<NEIGHBOURS>() else {
-            return Err(few);
-        };
-        let radius = last.distance();
-        if found <= NEIGHBOURS || radius >= T::from_f32(FAR) {
+        let mut nearest = Nearest::<T, 2, { NEIGHBOURS + 1 }>::new(NEIGHBOURS + 1);
+        for (number, point) in nodes.enumerate().filter(|(number, _)| *number != node) {
+            let offset = projection(centre, &axes, point);
+            nearest.offer(number, dot(&offset, &offset), offset);
+        }
+        let few = EvaluateError::FewNodes { node };
+        let radius = nearest.limit().sqrt();
+        if nearest.count() <= NEIGHBOURS || radius >= T::from_f32(FAR) {
             return Err(few);
         }
-        let scaled = nearby.each_ref().map(|neighbour| neighbour.offset.map(|x| x / radius));
+        let (mut neighbours, mut scaled) = ([0; NEIGHBOURS], [[T::ZERO; 2]; NEIGHBOURS]);
+        for ((number, scaled), (neighbour, offset)) in neighbours.iter_mut().zip(&mut scaled).zip(nearest.iter()) {
+            *number = neighbour.number.into();
+            *scaled = offset.map(|x| x / radius);
+        }
         // The nearest count most: the cube halves the error at rims, which are as narrow as the stencil.
         let factors = scaled.map(|offset| {
             let factor = T::ONE - dot(&offset, &offset);
@@ -90,7 +89,7 @@ impl<T: Real> Stencil<T> {
         }
         Ok(Self {
             node: node as u32,
-            neighbours: nearby.each_ref().map(|neighbour| neighbour.sample as u32),
+            neighbours,
             weights,
         })
     }

@@ -40,14 +40,16 @@ impl<'a> Curve<'a> {
         })
     }
 
-    /// Whether parameters (Ca, a/l) lie below the curve; none where it does not reach.
-    pub fn below<T: Real>(&self, [capillary_number, confinement]: [T; 2]) -> Option<bool> {
+    /// As [`at`](Self::at), but none where the curve does not reach.
+    pub fn within<T: Real>(&self, confinement: T) -> Option<T> {
         let last = self.0.rows().checked_sub(1)?;
         let reaches = confinement >= self.abscissa(0) && confinement <= self.abscissa(last);
-        if !reaches {
-            return None;
-        }
-        self.at(confinement).map(|border| capillary_number < border)
+        if reaches { self.at(confinement) } else { None }
+    }
+
+    /// Whether parameters (Ca, a/l) lie below the curve; none where it does not reach.
+    pub fn below<T: Real>(&self, [capillary_number, confinement]: [T; 2]) -> Option<bool> {
+        self.within(confinement).map(|border| capillary_number < border)
     }
 }
 

@@ -132,19 +132,7 @@ impl<'a> MatrixView<'a> {
 
     /// The rows of a matrix of two columns.
     pub fn pairs<T: Real>(self) -> impl Iterator<Item = [T; 2]> + use<'a, T> {
-        self.rows_of()
-    }
-
-    /// The first `C` columns of every row; zeros where the matrix has fewer.
-    pub(crate) fn rows_of<T: Real, const C: usize>(self) -> impl Iterator<Item = [T; C]> + use<'a, T, C> {
-        let entry = move |row, column| {
-            if column < self.columns {
-                T::from_f32(self.get(row, column))
-            } else {
-                T::ZERO
-            }
-        };
-        (0..self.rows).map(move |row| core::array::from_fn(|column| entry(row, column)))
+        (0..self.rows).map(move |row| [0, 1].map(|column| T::from_f32(self.get(row, column))))
     }
 
     /// x <- x times the units of the columns, where they have any: [`dot`](Self::dot) takes such vectors.

@@ -145,6 +145,12 @@ impl Judge {
         let rows = stored.rows as usize;
         self.count("samples", rows.clamp(1, MOST_SAMPLES), rows);
         let samples = self.matrix("samples", stored, [rows, parameters], [least, LARGEST]);
+        // They are read in every query.
+        if stored.encoding != Encoding::F32 {
+            let (expected, found) = (4 * parameters * samples.rows(), stored.blob.data.len());
+            let what = "samples";
+            return self.refuse(OpenError::Length { what, expected, found });
+        }
         let same = |first, second| (0..parameters).all(|d| samples.get(first, d) == samples.get(second, d));
         for second in 0..samples.rows() {
             if let Some(first) = (0..second).find(|&first| same(first, second)) {

@@ -139,8 +139,8 @@ pub(crate) fn predictions(
         ..Query::new(given(parameters, model)?, method)
     };
     match evaluator.prepare(&query) {
-        // No sample on the query's side of the border, or none that can be told apart.
-        Err(EvaluateError::Weights { .. }) => {
+        // No sample on the query's side of the border, none that can be told apart, or none within reach.
+        Err(EvaluateError::Weights { .. } | EvaluateError::FarOutside { .. }) => {
             let none = || Prediction {
                 positions: None,
                 centroid: 0.0,

@@ -3,6 +3,7 @@
 use capsule_database::{Collection, Database, Entry, Mesh, Symmetry, Trajectory};
 use faer::Mat;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 use crate::limit::SteadyLimit;
 use crate::settings::{Design, Split};
@@ -322,9 +323,12 @@ pub(crate) fn clusters(samples: &[Sample], split: Option<Split>, names: &[String
     let mut clusters = Vec::new();
     for range in ranges {
         let inside = |c: f64| c >= range[0] - SAME_ROW && c <= range[1] + SAME_ROW;
-        let members: Vec<usize> = (0..samples.len())
+        let mut members: Vec<usize> = (0..samples.len())
             .filter(|j| inside(samples[*j].parameters[parameter]))
             .collect();
+        // In this order a query finds its neighbours soonest.
+        let backwards = |j: &usize| samples[*j].parameters.iter().rev();
+        members.sort_by(|a, b| backwards(a).partial_cmp(backwards(b)).unwrap_or(Ordering::Equal));
         let needed = needed(names.len());
         if members.len() < needed {
             return Err(OfflineError::TooFewSamples {

@@ -112,11 +112,13 @@ fn bound(model: &Model, parameters: &[f64], t: f64) -> f64 {
     let contents = model.contents();
     let samples = MatrixView::new(&contents.clusters[0].samples);
     let row = |j: usize| -> Vec<f64> { (0..samples.columns()).map(|d| samples.get(j, d).into()).collect() };
-    let all = (0..samples.rows()).map(|j| Parameters::new(&row(j)).unwrap());
     let query = Parameters::new(parameters).unwrap();
-    let mut scratch = vec![0.0; 32 * 32];
-    let coordinates = Coordinates::new(contents);
-    let weights = Weights::<f64, 32>::kernel(&contents.kernel, &coordinates, all, &query, None, &mut scratch).unwrap();
+    let mut weights = Weights::<f64, 32>::EMPTY;
+    let mut scratch = vec![0.0; Weights::<f64, 32>::SCRATCH];
+    let (coordinates, samples) = (Coordinates::new(contents), &contents.clusters[0].samples);
+    weights
+        .kernel(&contents.kernel, &coordinates, samples, &query, None, &mut scratch)
+        .unwrap();
     let phase = |row: &[f64]| row.iter().zip(WAVE).map(|(p, w)| p * w).sum::<f64>();
     let remainder = |(j, weight): (usize, f64)| weight.abs() * (phase(&row(j)) - phase(parameters)).abs().powi(3) / 6.0;
     3.0 * AMPLITUDE * t.powi(3) * weights.iter().map(remainder).sum::<f64>()

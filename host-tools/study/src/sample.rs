@@ -2,6 +2,7 @@
 
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
+use capsule_core::model::wire::Matrix;
 use capsule_core::{Domain, EvaluateError, Model, Parameters};
 use capsule_database::Database;
 use capsule_offline::{Progress, Settings, Subsets};
@@ -74,7 +75,8 @@ struct Estimator<'m> {
 
 struct Cluster {
     range: [f64; 2],
-    samples: Vec<Parameters<f64>>,
+    /// Their parameters as the core reads them.
+    samples: Vec<u8>,
     /// The error of each sample, predicted by the others, over the deviation of that prediction.
     ratios: Vec<f64>,
 }
@@ -86,7 +88,6 @@ impl<'m> Estimator<'m> {
             let samples = MatrixView::new(&cluster.samples);
             let errors = &cluster.direct_errors;
             let (left_out, deviations) = (MatrixView::new(&errors.left_out), MatrixView::new(&errors.deviation));
-            let row = |j: usize| -> Vec<f64> { (0..samples.columns()).map(|d| samples.get(j, d).into()).collect() };
             let ratio = |j: usize| {
                 let early = (0..instants.rows()).filter(|i| f64::from(instants.get(*i, 0)) <= until);
                 let worst = early.map(|i| f64::from(left_out.get(j, i))).fold(0.0, f64::max);
@@ -102,7 +103,7 @@ impl<'m> Estimator<'m> {
             }
             Cluster {
                 range: [cluster.min, cluster.max],
-                samples: (0..samples.rows()).filter_map(|j| Parameters::new(&row(j))).collect(),
+                samples: cluster.samples.blob.data.to_vec(),
                 ratios,
             }
         });
@@ -130,7 +131,11 @@ impl<'m> Estimator<'m> {
         let place = self.place(&parameters);
         for cluster in &mut self.clusters {
             if cluster.range[0] <= place && place <= cluster.range[1] {
-                cluster.samples.push(parameters);
+                let bytes = parameters
+                    .as_slice()
+                    .iter()
+                    .flat_map(|value| (*value as f32).to_le_bytes());
+                cluster.samples.extend(bytes);
                 cluster.ratios.push(ratio);
             }
         }
@@ -148,20 +153,19 @@ impl<'m> Estimator<'m> {
             return Err(StudyError::NothingToCompare);
         };
         let contents = self.model.contents();
-        let mut scratch = [0.0; NEIGHBOURS * NEIGHBOURS];
-        let weights = Weights::<f64, NEIGHBOURS>::kernel(
-            &contents.kernel,
-            &Coordinates::new(contents),
-            cluster.samples.iter().copied(),
-            query,
-            None,
-            &mut scratch,
+        let samples = Matrix::f32(
+            cluster.ratios.len() as u32,
+            query.as_slice().len() as u32,
+            &cluster.samples,
         );
-        let weights = match weights {
-            // Nothing is known on the query's side of the border: nowhere is a sample worth more.
-            Err(EvaluateError::Weights { .. }) => return Ok((UNKNOWN, UNKNOWN)),
+        let mut weights = Weights::<f64, NEIGHBOURS>::EMPTY;
+        let mut scratch = [0.0; Weights::<f64, NEIGHBOURS>::SCRATCH];
+        let coordinates = Coordinates::new(contents);
+        match weights.kernel(&contents.kernel, &coordinates, &samples, query, None, &mut scratch) {
+            // Nothing is known on the query's side of the border or within its reach: nowhere is a sample worth more.
+            Err(EvaluateError::Weights { .. } | EvaluateError::FarOutside { .. }) => return Ok((UNKNOWN, UNKNOWN)),
             other => other?,
-        };
+        }
         let sum: f64 = weights.iter().map(|(j, weight)| weight.abs() * cluster.ratios[j]).sum();
         let ratio = sum / weights.lebesgue();
         Ok((weights.deviation() * ratio, ratio))

@@ -2,11 +2,11 @@
 //! no dynamics. An implementation of its own, beside the core's, by singular values.
 
 use capsule_core::Model;
+use capsule_core::interpolate::Coordinates;
 use capsule_core::model::MatrixView;
 use capsule_database::Database;
 use faer::Mat;
 
-use super::places::plane;
 use super::truth::{Errors, INSTANTS, Truth, distance, read, read_one};
 use super::{Row, Subject};
 use crate::StudyError;
@@ -118,7 +118,7 @@ pub(super) fn rows(subject: &Subject, model: &Model) -> Result<Vec<Row>, StudyEr
     let truths = read(subject.fresh, if subject.quick { 4 } else { 40 }, |[_, confinement]| {
         rows.contains(&confinement)
     })?;
-    let plane = plane(model.contents());
+    let coordinates = Coordinates::new(model.contents());
     let default = Diffuse {
         order: 2,
         neighbours: 12,
@@ -135,8 +135,9 @@ pub(super) fn rows(subject: &Subject, model: &Model) -> Result<Vec<Row>, StudyEr
         let mut errors = Errors::default();
         for truth in &truths {
             let query = truth.parameters;
-            let beyond =
-                |sample: [f64; 2]| plane.apart(sample, query) || (sample[1] - split) * (query[1] - split) < -1e-12;
+            let beyond = |sample: [f64; 2]| {
+                coordinates.apart(sample, query) || (sample[1] - split) * (query[1] - split) < -1e-12
+            };
             let solved = diffuse.solve(&places, query, beyond);
             errors.count(solved.map(|solved| {
                 let at = |i: usize| {

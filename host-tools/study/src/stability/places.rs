@@ -1,8 +1,8 @@
 //! How well the samples around a query determine its weights, over the domain.
 
-use capsule_core::interpolate::{Coordinates, Plane, Weights};
-use capsule_core::model::wire::Contents;
-use capsule_core::model::{Curve, MatrixView};
+use capsule_core::interpolate::{Coordinates, Weights};
+use capsule_core::model::MatrixView;
+use capsule_core::model::wire::{Contents, Matrix};
 use capsule_core::{Domain, Model, Parameters, Real};
 use serde::Serialize;
 
@@ -42,9 +42,9 @@ pub(super) fn places(model: &Model, quick: bool) -> Vec<Place> {
 
 fn place(model: &Model, query: [f64; 2]) -> Option<Place> {
     let contents = model.contents();
-    let (coordinates, plane) = (Coordinates::new(contents), plane(contents));
+    let coordinates = Coordinates::new(contents);
     let cluster = contents.clusters.iter().find(|cluster| query[1] <= cluster.max)?;
-    let samples = MatrixView::new(&cluster.samples);
+    let samples = &cluster.samples;
     let [direct, diffuse] = weights::<f64>(contents, &coordinates, samples, query)?;
     let [rounded, rounded_diffuse] = weights::<f32>(contents, &coordinates, samples, query)?;
     // The same neighbours: where rounding chooses others, there is nothing to compare.
@@ -61,39 +61,34 @@ fn place(model: &Model, query: [f64; 2]) -> Option<Place> {
         radius: contents.paper.radius,
         ridge: 1e-4,
     };
-    let all: Vec<[f64; 2]> = samples.pairs().collect();
+    let all: Vec<[f64; 2]> = MatrixView::new(samples).pairs().collect();
     Some(Place {
         capillary_number: query[0],
         confinement: query[1],
         direct_lebesgue: direct.lebesgue(),
         paper_lebesgue: diffuse.lebesgue(),
         condition: own
-            .solve(&all, query, |sample| plane.apart(sample, query))
+            .solve(&all, query, |sample| coordinates.apart(sample, query))
             .map_or(f64::INFINITY, |solved| solved.condition),
         single_precision: difference(&direct, &rounded).max(difference(&diffuse, &rounded_diffuse)),
     })
-}
-
-/// The plane of a model of capsules in the channel.
-pub(super) fn plane<'a>(contents: &Contents<'a>) -> Plane<'a> {
-    Plane {
-        capillary_scale: contents.kernel.scales[0],
-        limit: Curve::new(&contents.steady_limit),
-        border: Curve::new(&contents.border),
-    }
 }
 
 /// The weights of direct evaluation and of the paper's method.
 fn weights<T: Real>(
     contents: &Contents<'_>,
     coordinates: &Coordinates<'_>,
-    samples: MatrixView<'_>,
+    samples: &Matrix<'_>,
     query: [f64; 2],
 ) -> Option<[Weights<T, NEIGHBOURS>; 2]> {
     let query = Parameters::from(query.map(T::from_f64));
-    let samples = || samples.pairs().map(Parameters::from);
-    let mut scratch = vec![T::ZERO; NEIGHBOURS * NEIGHBOURS];
-    let direct = Weights::kernel(&contents.kernel, coordinates, samples(), &query, None, &mut scratch).ok()?;
-    let diffuse = Weights::diffuse(&contents.paper, coordinates, samples(), &query, None).ok()?;
+    let (mut direct, mut diffuse) = (Weights::EMPTY, Weights::EMPTY);
+    let mut scratch = vec![T::ZERO; Weights::<T, NEIGHBOURS>::SCRATCH];
+    direct
+        .kernel(&contents.kernel, coordinates, samples, &query, None, &mut scratch)
+        .ok()?;
+    diffuse
+        .diffuse(&contents.paper, coordinates, samples, &query, None, &mut scratch)
+        .ok()?;
     Some([direct, diffuse])
 }
