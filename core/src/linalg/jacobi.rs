@@ -1,6 +1,6 @@
 //! Singular values and vectors by one-sided Jacobi rotations (Hestenes 1958; de Rijk 1989).
 
-use super::{dot, part};
+use super::{dot, part, part_mut};
 use crate::Real;
 
 /// Graded matrices in single precision needed at most 12.
@@ -13,17 +13,20 @@ const MOST_SWEEPS: usize = 20;
 pub(crate) struct Rotations<T> {
     /// Rows whose square is below are rounding of the largest.
     floor: T,
+    /// Rotations that move no row farther than the root of this are left out.
+    negligible: T,
     sweep: usize,
     row: usize,
     rotated: bool,
 }
 
 impl<T: Real> Rotations<T> {
-    /// Nothing is rotated yet.
-    pub(crate) fn new<const K: usize>(rows: &[[T; K]], columns: usize) -> Self {
+    /// Nothing is rotated yet. Rotations that move rows by no more than a share of the longest are `negligible`.
+    pub(crate) fn new<const K: usize>(rows: &[[T; K]], columns: usize, negligible: T) -> Self {
         let largest = rows.iter().map(|row| square(row, columns)).fold(T::ZERO, T::max);
         Self {
             floor: largest * T::EPSILON * T::EPSILON * T::from_index(columns),
+            negligible: largest * negligible * negligible,
             sweep: 0,
             row: 1,
             rotated: false,
@@ -43,9 +46,34 @@ impl<T: Real> Rotations<T> {
             return false;
         };
         for x in above {
-            self.rotated |= rotate(x, y, columns, self.floor);
+            self.rotated |= self.rotate(x, y, columns);
         }
         self.row += 1;
+        true
+    }
+
+    /// Makes two rows orthogonal; returns whether they were not.
+    fn rotate<const K: usize>(&self, x: &mut [T; K], y: &mut [T; K], columns: usize) -> bool {
+        let (x, y) = (part_mut(x, 0..columns), part_mut(y, 0..columns));
+        let (a, b) = (dot(x, x), dot(y, y));
+        if a.min(b) <= self.floor {
+            return false;
+        }
+        let product = dot(x, y);
+        // The longer row moves by |product| divided by its length. Divided here too: squares of products could underflow.
+        let (rounding, larger) = (T::EPSILON * T::from_f32(4.0), a.max(b));
+        let negligible = (rounding * rounding * a.min(b)).max(self.negligible);
+        if product * (product / larger) <= negligible {
+            return false;
+        }
+        let zeta = (b - a) / (product + product);
+        let tangent = T::ONE / (zeta.abs() + (T::ONE + zeta * zeta).sqrt());
+        let tangent = if zeta < T::ZERO { -tangent } else { tangent };
+        let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
+        let sine = cosine * tangent;
+        for (x, y) in x.iter_mut().zip(y) {
+            (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+        }
         true
     }
 }
@@ -54,34 +82,12 @@ fn square<T: Real, const K: usize>(row: &[T; K], columns: usize) -> T {
     dot(part(row, 0..columns), part(row, 0..columns))
 }
 
-/// Makes two rows orthogonal; returns whether they were not.
-fn rotate<T: Real, const K: usize>(x: &mut [T; K], y: &mut [T; K], columns: usize, floor: T) -> bool {
-    let (a, b) = (square(x, columns), square(y, columns));
-    if a.min(b) <= floor {
-        return false;
-    }
-    let product = dot(part(x, 0..columns), part(y, 0..columns));
-    // Two roots: the product of the squares could underflow.
-    if product.abs() <= T::EPSILON * T::from_f32(4.0) * a.sqrt() * b.sqrt() {
-        return false;
-    }
-    let zeta = (b - a) / (product + product);
-    let tangent = T::ONE / (zeta.abs() + (T::ONE + zeta * zeta).sqrt());
-    let tangent = if zeta < T::ZERO { -tangent } else { tangent };
-    let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
-    let sine = cosine * tangent;
-    for (x, y) in x.iter_mut().zip(y).take(columns) {
-        (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn orthogonalise<T: Real, const K: usize>(rows: &mut [[T; K]], columns: usize) {
-        let mut rotations = Rotations::new(rows, columns);
+        let mut rotations = Rotations::new(rows, columns, T::ZERO);
         while rotations.advance(rows, columns) {}
     }
 
