@@ -9,7 +9,7 @@
 
 use crate::Real;
 use crate::interpolate::weight;
-use crate::linalg::{add_scaled, dot, part, part_mut};
+use crate::linalg::{add_scaled, dot_in_order, part, part_mut};
 use crate::model::MatrixView;
 
 /// The most snapshots that a window holds.
@@ -281,12 +281,12 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         let deviation: [T; M] = core::array::from_fn(|k| alpha[k] - (start.alpha[k] + change[k]));
         let sides = |place: &Place<T>, j: usize| {
             let snapshot = &self.snapshots[(window.first + j) % MOST];
-            [dot(&cubic, &place.along), product(&snapshot.alpha, &deviation)]
+            [dot_in_order(&cubic, &place.along), product(&snapshot.alpha, &deviation)]
         };
         let [mut shares, response] = window.fit(t, sides, [change[0], deviation[0]]);
         let rate = self.sum(&response, |snapshot| &snapshot.rate);
         // |deviation + step share rate| <= |deviation|
-        let (closing, limit) = (-dot(&deviation, &rate), step * dot(&rate, &rate));
+        let (closing, limit) = (-dot_in_order(&deviation, &rate), step * dot_in_order(&rate, &rate));
         let share = if closing <= T::ZERO {
             T::ZERO
         } else if closing + closing < limit {
@@ -335,7 +335,7 @@ impl<T: Real> Window<T> {
         let (mut spread, mut start) = (T::ZERO, T::ZERO);
         for (j, ((row, place), weight)) in rows.iter_mut().zip(places()).zip(weights).enumerate() {
             *row = Row {
-                mean: dot(part(&place.products, 0..count), weights),
+                mean: dot_in_order(part(&place.products, 0..count), weights),
                 shift: place.shift,
                 sides: sides(place, j),
             };
@@ -458,7 +458,7 @@ fn difference<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> [T; M] {
 
 /// Product of two states without the translation.
 fn product<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
-    dot(part(a, 1..M), part(b, 1..M))
+    dot_in_order(part(a, 1..M), part(b, 1..M))
 }
 
 #[cfg(test)]
