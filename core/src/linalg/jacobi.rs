@@ -45,17 +45,18 @@ impl<T: Real> Rotations<T> {
         let Some((above, [y, ..])) = rows.split_at_mut_checked(self.row) else {
             return false;
         };
+        let mut square_of_row = square(y, columns);
         for x in above {
-            self.rotated |= self.rotate(x, y, columns);
+            self.rotated |= self.rotate(x, y, &mut square_of_row, columns);
         }
         self.row += 1;
         true
     }
 
-    /// Makes two rows orthogonal; returns whether they were not.
-    fn rotate<const K: usize>(&self, x: &mut [T; K], y: &mut [T; K], columns: usize) -> bool {
+    /// Makes two rows orthogonal; returns whether they were not. Keeps the square of the second.
+    fn rotate<const K: usize>(&self, x: &mut [T; K], y: &mut [T; K], square: &mut T, columns: usize) -> bool {
         let (x, y) = (part_mut(x, 0..columns), part_mut(y, 0..columns));
-        let (a, b) = (dot(x, x), dot(y, y));
+        let (a, b) = (dot(x, x), *square);
         if a.min(b) <= self.floor {
             return false;
         }
@@ -71,6 +72,7 @@ impl<T: Real> Rotations<T> {
         let tangent = if zeta < T::ZERO { -tangent } else { tangent };
         let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
         let sine = cosine * tangent;
+        *square += tangent * product;
         for (x, y) in x.iter_mut().zip(y) {
             (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
         }
