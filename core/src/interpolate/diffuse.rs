@@ -38,6 +38,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
     ///
     /// # Errors
     /// As [`kernel`](Self::kernel).
+    #[inline(never)]
     pub fn diffuse(
         &mut self,
         settings: &Paper,

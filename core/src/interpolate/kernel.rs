@@ -27,6 +27,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// # Errors
     /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart;
     /// [`EvaluateError::FarOutside`]; [`EvaluateError::BufferTooShort`] for the scratch.
+    #[inline(never)]
     pub fn kernel(
         &mut self,
         settings: &Kernel,

@@ -431,6 +431,21 @@ mod tests {
     }
 
     #[test]
+    fn the_deviation_that_falls_out_of_the_solution_is_the_quadratic_form() {
+        for query in QUERIES {
+            let weights = weights::<f64>(true, 10, query, None);
+            let form = weights.quadratic_form();
+            assert!((weights.variance - form).abs() < 1e-9, "{} {form}", weights.variance);
+            let single = self::weights::<f32>(true, 10, query, None);
+            assert!(
+                (f64::from(single.variance) - form).abs() < 1e-5,
+                "{} {form}",
+                single.variance
+            );
+        }
+    }
+
+    #[test]
     fn a_sample_left_out_takes_no_part() {
         for kernel in [true, false] {
             let weights = weights::<f64>(kernel, 10, [0.03, 0.8], Some(22));

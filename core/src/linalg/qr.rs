@@ -65,9 +65,8 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
     }
 
     /// The reflectors and the first entry that each acts on.
-    fn reflectors(&self) -> impl DoubleEndedIterator<Item = (usize, &[T])> + ExactSizeIterator {
-        let columns = part(self.columns, 0..self.rank).iter().enumerate();
-        columns.map(|(k, column)| (k, part(column, k..self.rows)))
+    fn reflectors(&self) -> impl DoubleEndedIterator<Item = (usize, &[T])> {
+        (0..self.rank).map(|k| (k, self.from(k, k)))
     }
 
     /// x <- Q^T x.
@@ -101,43 +100,77 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
     /// Only the lower half of what belongs to the null space of the columns is right afterwards: rows and columns from the
     /// rank on. With p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T; where the next
     /// reflector acts, its p is summed on the way.
+    #[inline(never)]
     pub(crate) fn conjugate(&self, matrix: &mut [[T; N]]) {
-        let Some(first) = self.columns.first() else { return };
+        let mut entries = [Entry {
+            v: T::ZERO,
+            w: T::ZERO,
+            next: T::ZERO,
+            product: T::ZERO,
+        }; N];
         let mut product = [T::ZERO; N];
-        symmetric_times(matrix, first, &mut product);
-        for (k, v) in self.columns.iter().enumerate().take(self.rank) {
-            let mut w = product;
-            let (v, w) = (part(v, k..self.rows), part_mut(&mut w, k..self.rows));
-            let half = dot_in_order(w, v) * T::from_f32(0.5);
-            add_scaled(w, -half, v);
-            let next = self.columns.get(k + 1).filter(|_| k + 1 < self.rank);
-            let next = next.map_or(&[][..], |next| part(next, k + 1..self.rows));
-            product = [T::ZERO; N];
-            let product = part_mut(&mut product, k + 1..self.rows);
-            let (v, w) = (part(v, 1..v.len()), part(w, 1..w.len()));
-            let rows = matrix.iter_mut().skip(k + 1).zip(v).zip(w);
-            for (i, ((row, &v_i), &w_i)) in rows.enumerate() {
-                let row = part_mut(row, k + 1..k + 2 + i);
-                if let Some(&next_i) = next.get(i) {
-                    let mut own = T::ZERO;
-                    let places = row.iter_mut().zip(v).zip(w).zip(next).zip(&mut *product);
-                    for ((((value, v), w), next), product) in places {
-                        *value -= v_i * *w + w_i * *v;
-                        own += *value * *next;
-                        *product += *value * next_i;
-                    }
-                    // The diagonal was counted on both sides of it.
-                    if let (Some(product), Some(diagonal)) = (product.get_mut(i), row.last()) {
-                        *product += own - *diagonal * next_i;
-                    }
-                } else {
-                    for ((value, v), w) in row.iter_mut().zip(v).zip(w) {
-                        *value -= v_i * *w + w_i * *v;
-                    }
+        if let Some(first) = self.columns.first() {
+            symmetric_times(matrix, first, &mut product);
+        }
+        for (entry, product) in entries.iter_mut().zip(product) {
+            entry.product = product;
+        }
+        for k in 0..self.rank {
+            let entries = part_mut(&mut entries, k..self.rows);
+            let mut half = T::ZERO;
+            for (entry, v) in entries.iter_mut().zip(self.from(k, k)) {
+                half += entry.product * *v;
+                entry.v = *v;
+            }
+            half *= T::from_f32(0.5);
+            for entry in &mut *entries {
+                entry.w = entry.product - half * entry.v;
+                (entry.next, entry.product) = (T::ZERO, T::ZERO);
+            }
+            let entries = part_mut(entries, 1..self.rows - k);
+            for (entry, next) in entries.iter_mut().zip(self.from(k + 1, k + 1)) {
+                entry.next = *next;
+            }
+            for (i, row) in matrix.iter_mut().skip(k + 1).enumerate() {
+                let Some((own, before)) = part_mut(entries, 0..i + 1).split_last_mut() else {
+                    break;
+                };
+                let Some((diagonal, row)) = part_mut(row, k + 1..k + 2 + i).split_last_mut() else {
+                    break;
+                };
+                let Entry {
+                    v,
+                    w,
+                    next,
+                    mut product,
+                } = *own;
+                for (value, entry) in row.iter_mut().zip(before) {
+                    *value -= v * entry.w + w * entry.v;
+                    product += *value * entry.next;
+                    entry.product += *value * next;
                 }
+                let twice = v * w;
+                *diagonal -= twice + twice;
+                own.product = product + *diagonal * next;
             }
         }
     }
+
+    /// The entries of reflector `k` from `first` on; none beyond the rank.
+    fn from(&self, k: usize, first: usize) -> &[T] {
+        let column = part(self.columns, 0..self.rank).get(k);
+        column.map_or(&[], |column| part(column, first..self.rows))
+    }
+}
+
+/// What an entry of the vectors of a conjugation's step is: side by side they cost a Cortex-M one load.
+#[derive(Clone, Copy)]
+struct Entry<T> {
+    v: T,
+    w: T,
+    /// Of the next reflector, and its product with the matrix.
+    next: T,
+    product: T,
 }
 
 /// x <- (I - v v^T) x.
