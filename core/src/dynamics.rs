@@ -211,7 +211,8 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
                 *q = dot(u, v);
             }
         }
-        self.manifold.forget();
+        self.manifold
+            .forget(self.displacement.rows().len().max(self.velocity.rows().len()));
         self.start(source);
     }
 

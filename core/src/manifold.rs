@@ -53,6 +53,8 @@ pub(crate) struct Manifold<T, const M: usize> {
     instants: [Option<usize>; MOST],
     snapshots: [Snapshot<T, M>; MOST],
     window: Window<T>,
+    /// Local coordinates that there are, the translation's among them; the others are 0.
+    rank: usize,
 }
 
 /// A snapshot in local coordinates.
@@ -180,10 +182,12 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         instants: [None; MOST],
         snapshots: [Snapshot::ZERO; MOST],
         window: Window::NONE,
+        rank: M,
     };
 
-    /// Forgets all snapshots.
-    pub(crate) fn forget(&mut self) {
+    /// Forgets all snapshots; those to come have so many coordinates.
+    pub(crate) fn forget(&mut self, rank: usize) {
+        self.rank = rank;
         self.instants = [None; MOST];
         self.window.span = [T::ZERO; 2];
     }
@@ -201,7 +205,9 @@ impl<T: Real, const M: usize> Manifold<T, M> {
             instants,
             snapshots,
             window,
+            rank,
         } = self;
+        let product = |a: &[T; M], b: &[T; M]| product(a, b, *rank);
         let [from, to] = window.span;
         if from <= t && t < to {
             return;
@@ -275,18 +281,25 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         let cubic = window.cubic(t);
         let [rise, to_start, to_end] = cubic;
         let [start, end] = [0, 1].map(|end| &self.snapshots[(window.interval + end) % MOST]);
-        let change: [T; M] = core::array::from_fn(|k| {
-            rise * (end.alpha[k] - start.alpha[k]) + to_start * start.rate[k] + to_end * end.rate[k]
-        });
-        let deviation: [T; M] = core::array::from_fn(|k| alpha[k] - (start.alpha[k] + change[k]));
+        // Down to the translation, whose change is asked for too.
+        let mut change = T::ZERO;
+        let mut deviation = [T::ZERO; M];
+        for k in (0..self.rank.min(M)).rev() {
+            change = rise * (end.alpha[k] - start.alpha[k]) + to_start * start.rate[k] + to_end * end.rate[k];
+            deviation[k] = alpha[k] - (start.alpha[k] + change);
+        }
         let sides = |place: &Place<T>, j: usize| {
             let snapshot = &self.snapshots[(window.first + j) % MOST];
-            [dot_in_order(&cubic, &place.along), product(&snapshot.alpha, &deviation)]
+            [
+                dot_in_order(&cubic, &place.along),
+                product(&snapshot.alpha, &deviation, self.rank),
+            ]
         };
-        let [mut shares, response] = window.fit(t, sides, [change[0], deviation[0]]);
+        let [mut shares, response] = window.fit(t, sides, [change, deviation[0]]);
         let rate = self.sum(&response, |snapshot| &snapshot.rate);
         // |deviation + step share rate| <= |deviation|
-        let (closing, limit) = (-dot_in_order(&deviation, &rate), step * dot_in_order(&rate, &rate));
+        let used = part(&rate, 0..self.rank);
+        let (closing, limit) = (-dot_in_order(used, &deviation), step * dot_in_order(used, used));
         let share = if closing <= T::ZERO {
             T::ZERO
         } else if closing + closing < limit {
@@ -302,7 +315,8 @@ impl<T: Real, const M: usize> Manifold<T, M> {
     fn sum(&self, shares: &[T; MOST], of: impl Fn(&Snapshot<T, M>) -> &[T; M]) -> [T; M] {
         let mut sum = [T::ZERO; M];
         for (j, share) in shares.iter().enumerate().take(self.window.count) {
-            add_scaled(&mut sum, *share, of(&self.snapshots[(self.window.first + j) % MOST]));
+            let snapshot = of(&self.snapshots[(self.window.first + j) % MOST]);
+            add_scaled(&mut sum, *share, part(snapshot, 0..self.rank));
         }
         sum
     }
@@ -457,8 +471,8 @@ fn difference<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> [T; M] {
 }
 
 /// Product of two states without the translation.
-fn product<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> T {
-    dot_in_order(part(a, 1..M), part(b, 1..M))
+fn product<T: Real, const M: usize>(a: &[T; M], b: &[T; M], rank: usize) -> T {
+    dot_in_order(part(a, 1..rank), part(b, 1..rank))
 }
 
 #[cfg(test)]
