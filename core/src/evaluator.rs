@@ -119,10 +119,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             Reference::Shape { .. } => -GREATEST,
         };
         for (value, range) in values.iter().zip(ranges) {
-            let (value, name) = (value.to_f64(), Name::new(range.name));
+            let value = value.to_f64();
             if !(least <= value && value <= GREATEST) {
                 return Err(EvaluateError::Parameter {
-                    name,
+                    name: Name::new(range.name),
                     value,
                     min: least,
                     max: GREATEST,

@@ -160,6 +160,7 @@ impl<T: Real> Greatest<T> {
     }
 
     /// The vertex of the parabola.
+    #[inline(never)]
     fn value(&self) -> T {
         let greatest = self.greatest.unwrap_or(T::ZERO);
         let (Some(before), Some(after)) = (self.before, self.after) else {

@@ -466,6 +466,7 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
 
 /// Runs the work of a call on its buffers and writes its error where the caller wants it. Where a pointer is at fault
 /// nothing is written: `error` may be what overlaps.
+#[inline(never)]
 unsafe fn call(error: *mut Error, buffers: &[Bytes], work: &mut dyn FnMut() -> Result<(), Error>) -> Status {
     let error = Buffer::new(error, 1);
     if let Err(status) = check(buffers, error.optional_bytes()) {

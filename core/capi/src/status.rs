@@ -65,71 +65,63 @@ pub enum Status {
 }
 
 impl Status {
-    const ALL: [Self; 26] = [
-        Self::Ok,
-        Self::Null,
-        Self::Misaligned,
-        Self::Short,
-        Self::Overlap,
-        Self::NoModel,
-        Self::NoWorkspace,
-        Self::Choice,
-        Self::ParameterCount,
-        Self::Truncated,
-        Self::Magic,
-        Self::Version,
-        Self::Checksum,
-        Self::Undecodable,
-        Self::TrailingBytes,
-        Self::Inconsistent,
-        Self::Capacity,
-        Self::Value,
-        Self::OutsideDomain,
-        Self::BeyondSteadyLimit,
-        Self::Weights,
-        Self::NotPrepared,
-        Self::UnknownNode,
-        Self::NotFinite,
-        Self::NoSphere,
-        Self::NoOutline,
+    const TEXTS: [(Self, &CStr); 27] = [
+        (Self::Ok, c"done"),
+        (Self::Null, c"a pointer is null"),
+        (Self::Misaligned, c"a pointer is not aligned for what it points to"),
+        (Self::Short, c"a buffer is too short"),
+        (
+            Self::Overlap,
+            c"two buffers share memory, or one goes beyond the end of memory",
+        ),
+        (Self::NoModel, c"the model was not opened"),
+        (Self::NoWorkspace, c"the workspace was not initialised"),
+        (Self::Choice, c"there is no such method, frame, outline or index"),
+        (Self::ParameterCount, c"the model has another number of parameters"),
+        (Self::Truncated, c"the model file is truncated"),
+        (Self::Magic, c"not a model file: it does not start with \"CROM\""),
+        (
+            Self::Version,
+            c"the model file has a format that this library does not know",
+        ),
+        (Self::Checksum, c"the model file is damaged: its CRC-32 is wrong"),
+        (Self::Undecodable, c"the model file does not decode as its format says"),
+        (Self::TrailingBytes, c"bytes follow the end of the model file"),
+        (Self::Inconsistent, c"the model file contradicts itself"),
+        (Self::Capacity, c"the model does not fit into the workspace"),
+        (Self::Value, c"a number lies outside its range"),
+        (Self::OutsideDomain, c"the parameters lie outside the sampled domain"),
+        (Self::BeyondSteadyLimit, c"no steady state exists at the parameters"),
+        (Self::Weights, c"the samples near the query are too close to each other"),
+        (
+            Self::NotPrepared,
+            c"no query was prepared with this model in this workspace",
+        ),
+        (Self::UnknownNode, c"the model has no such node"),
+        (
+            Self::NotFinite,
+            c"the result is not finite: the parameters are too far from all samples",
+        ),
+        (
+            Self::NoSphere,
+            c"the model does not know the membrane's stress-free state",
+        ),
+        (Self::NoOutline, c"the model has no such outline"),
+        (
+            Self::Other,
+            c"an error that this version of the interface has no name for",
+        ),
     ];
 
     /// The status of a number; [`Other`](Self::Other) for one that has no meaning.
     pub(crate) fn from_number(number: u32) -> Self {
-        let named = |status: &&Self| **status as u32 == number;
-        Self::ALL.iter().find(named).copied().unwrap_or(Self::Other)
+        let mut named = Self::TEXTS.iter().map(|(status, _)| *status);
+        named.find(|status| *status as u32 == number).unwrap_or(Self::Other)
     }
 
     /// What it means, in a sentence.
     pub fn text(self) -> &'static CStr {
-        match self {
-            Self::Ok => c"done",
-            Self::Null => c"a pointer is null",
-            Self::Misaligned => c"a pointer is not aligned for what it points to",
-            Self::Short => c"a buffer is too short",
-            Self::Overlap => c"two buffers share memory, or one goes beyond the end of memory",
-            Self::NoModel => c"the model was not opened",
-            Self::NoWorkspace => c"the workspace was not initialised",
-            Self::Choice => c"there is no such method, frame, outline or index",
-            Self::ParameterCount => c"the model has another number of parameters",
-            Self::Truncated => c"the model file is truncated",
-            Self::Magic => c"not a model file: it does not start with \"CROM\"",
-            Self::Version => c"the model file has a format that this library does not know",
-            Self::Checksum => c"the model file is damaged: its CRC-32 is wrong",
-            Self::Undecodable => c"the model file does not decode as its format says",
-            Self::TrailingBytes => c"bytes follow the end of the model file",
-            Self::Inconsistent => c"the model file contradicts itself",
-            Self::Capacity => c"the model does not fit into the workspace",
-            Self::Value => c"a number lies outside its range",
-            Self::OutsideDomain => c"the parameters lie outside the sampled domain",
-            Self::BeyondSteadyLimit => c"no steady state exists at the parameters",
-            Self::Weights => c"the samples near the query are too close to each other",
-            Self::NotPrepared => c"no query was prepared with this model in this workspace",
-            Self::UnknownNode => c"the model has no such node",
-            Self::NotFinite => c"the result is not finite: the parameters are too far from all samples",
-            Self::NoSphere => c"the model does not know the membrane's stress-free state",
-            Self::NoOutline => c"the model has no such outline",
-            Self::Other => c"an error that this version of the interface has no name for",
-        }
+        let named = Self::TEXTS.iter().find(|(status, _)| *status == self);
+        named.map_or(c"", |(_, text)| text)
     }
 }
