@@ -42,7 +42,7 @@
 #define CAPSULE_WORKSPACE_ALIGNMENT 8
 
 // Words of eight bytes in a model.
-#define CAPSULE_MODEL_WORDS 640
+#define CAPSULE_MODEL_WORDS 528
 
 // Bytes of a model.
 #define CAPSULE_MODEL_SIZE (CAPSULE_MODEL_WORDS * 8)

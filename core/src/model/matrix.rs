@@ -302,4 +302,29 @@ mod tests {
         assert_eq!(found[0], found[1]);
         assert!((found[0][0] - (0.15 - 1.4 - 4.225)).abs() < 1e-6);
     }
+    #[test]
+    fn an_entry_out_of_bounds_is_found_whatever_its_unit() {
+        let first = |encoding, bytes: &[u8]| MatrixView::new(&Matrix::new(2, 2, encoding, bytes)).outside(-10.0, 10.0);
+        let file = |units: [f32; 2], integers: &[u8]| {
+            let mut bytes = [0; 16];
+            bytes[..4].copy_from_slice(&units[0].to_le_bytes());
+            bytes[4..8].copy_from_slice(&units[1].to_le_bytes());
+            bytes[8..8 + integers.len()].copy_from_slice(integers);
+            bytes
+        };
+        let shorts = [1, 0, 2, 0, 3, 0, 4, 0];
+        for encoding in [Encoding::I16, Encoding::I16Rows] {
+            assert_eq!(first(encoding, &file([1e-4, 1e-4], &shorts)), None);
+            // The unit could carry more than there is.
+            assert_eq!(first(encoding, &file([1.0, 1.0], &shorts)), None);
+            assert!(first(encoding, &file([1.0, f32::NAN], &shorts)).is_some());
+        }
+        assert_eq!(first(Encoding::I16, &file([4.0, 1.0], &shorts)), Some((2, 12.0)));
+        assert_eq!(first(Encoding::I16Rows, &file([1.0, 4.0], &shorts)), Some((2, 12.0)));
+        assert_eq!(
+            first(Encoding::I8Rows, &file([0.01, 4.0], &[127, 1, 2, 253])[..12]),
+            Some((3, -12.0))
+        );
+        assert_eq!(first(Encoding::I8Rows, &file([0.01, 4.0], &[127, 1, 2, 2])[..12]), None);
+    }
 }

@@ -151,9 +151,12 @@ impl Judge {
             let what = "samples";
             return self.refuse(OpenError::Length { what, expected, found });
         }
-        let same = |first, second| (0..parameters).all(|d| samples.get(first, d) == samples.get(second, d));
+        let same = |first, second| (1..parameters).all(|d| samples.get(first, d) == samples.get(second, d));
         for second in 0..samples.rows() {
-            if let Some(first) = (0..second).find(|&first| same(first, second)) {
+            // Most differ in the first parameter.
+            let value = samples.get(second, 0);
+            let earlier = (0..second).find(|&first| samples.get(first, 0) == value && same(first, second));
+            if let Some(first) = earlier {
                 return self.refuse(OpenError::DuplicateSample { first, second });
             }
         }

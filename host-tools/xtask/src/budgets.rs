@@ -179,7 +179,7 @@ fn text(package: &Path) -> Result<u64> {
         .ok_or_else(|| anyhow!("no .text in:\n{sizes}"))
 }
 
-/// The interface as a WebAssembly module.
+/// The interface as a WebAssembly module, optimised for size by wasm-opt.
 fn module() -> Result<PathBuf> {
     setup::rust_target(wasm::TARGET)?;
     run(&mut command(&format!(
@@ -187,7 +187,13 @@ fn module() -> Result<PathBuf> {
          --target {} -- -C strip=symbols",
         wasm::TARGET
     )))?;
-    Ok(target_directory().join(wasm::TARGET).join("embedded/capsule_capi.wasm"))
+    let [built, optimised] = ["", "-optimised"].map(|suffix| {
+        let name = format!("embedded/capsule_capi{suffix}.wasm");
+        target_directory().join(wasm::TARGET).join(name)
+    });
+    std::fs::copy(&built, &optimised).with_context(|| built.display().to_string())?;
+    wasm::optimise(&optimised, "-Oz")?;
+    Ok(optimised)
 }
 
 /// The compilers that counts depend on.

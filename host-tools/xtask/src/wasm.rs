@@ -4,6 +4,7 @@
 use crate::command::{command, run};
 use crate::{root, setup, target_directory};
 use anyhow::{Context, Result};
+use std::path::Path;
 
 /// The target of browsers.
 pub const TARGET: &str = "wasm32-unknown-unknown";
@@ -33,14 +34,15 @@ pub fn build() -> Result<()> {
         .typescript(true)
         .generate(&folder)
         .with_context(|| format!("wasm-bindgen on {}", module.display()))?;
-    optimise(&folder.join("capsule_wasm_bg.wasm"))
+    optimise(&folder.join("capsule_wasm_bg.wasm"), "-O3")
 }
 
-fn optimise(module: &std::path::Path) -> Result<()> {
+/// Optimises a module in place.
+pub fn optimise(module: &Path, level: &str) -> Result<()> {
     setup::npm_modules("explorer")?;
     let wasm_opt = root().join("explorer/node_modules/.bin/wasm-opt");
     run(command(&wasm_opt.to_string_lossy())
-        .arg("-O3")
+        .arg(level)
         .args(RUSTC_FEATURES)
         .arg("-o")
         .args([module, module]))
