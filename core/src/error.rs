@@ -418,17 +418,10 @@ impl Name {
     pub(crate) fn new(text: &str) -> Self {
         let mut name = Self {
             bytes: [0; 32],
-            length: 0,
+            length: text.floor_char_boundary(32),
         };
-        for character in text.chars() {
-            let mut code = [0; 4];
-            let code = character.encode_utf8(&mut code).as_bytes();
-            let end = name.length + code.len();
-            let Some(place) = name.bytes.get_mut(name.length..end) else {
-                break;
-            };
-            place.copy_from_slice(code);
-            name.length = end;
+        for (place, byte) in name.bytes.iter_mut().zip(text.as_bytes()) {
+            *place = *byte;
         }
         name
     }

@@ -48,7 +48,12 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
             for value in column {
                 *value *= share;
             }
-            open.swap(0, index - rank);
+            // One by one: what moves memory that may overlap is a kilobyte and a half of code.
+            if let Some((place, rest)) = open.split_first_mut()
+                && let Some(kept) = (index - rank).checked_sub(1).and_then(|gap| rest.get_mut(gap))
+            {
+                place.swap_with_slice(kept);
+            }
             rank += 1;
         }
         Self {

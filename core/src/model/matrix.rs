@@ -4,7 +4,7 @@ use super::wire::{Blob, Encoding, Matrix};
 use crate::Real;
 use crate::linalg::{add_by, dot_by, part};
 
-/// A stored matrix, row-major; reads single by single where the bytes are not aligned.
+/// A stored matrix, row-major; the bytes need not be aligned.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixView<'a> {
     rows: usize,
@@ -15,10 +15,9 @@ pub struct MatrixView<'a> {
 
 #[derive(Clone, Copy, Debug)]
 enum Entries<'a> {
-    Aligned(&'a [f32]),
-    Bytes(&'a [[u8; 4]]),
+    Singles(&'a [[u8; 4]]),
     Shorts(&'a [[u8; 2]]),
-    Small(&'a [i8]),
+    Small(&'a [u8]),
 }
 
 /// What the entries are multiples of.
@@ -57,13 +56,10 @@ impl<'a> MatrixView<'a> {
         let (units, data) = matrix.blob.data.split_at_checked(4 * units).unwrap_or_default();
         let units = units.as_chunks().0;
         let (units, entries) = match matrix.encoding {
-            Encoding::F32 => (Units::One, singles(data)),
+            Encoding::F32 => (Units::One, Entries::Singles(data.as_chunks().0)),
             Encoding::I16 => (Units::OfColumns(units), Entries::Shorts(data.as_chunks().0)),
             Encoding::I16Rows => (Units::OfRows(units), Entries::Shorts(data.as_chunks().0)),
-            Encoding::I8Rows => (
-                Units::OfRows(units),
-                Entries::Small(bytemuck::try_cast_slice(data).unwrap_or_default()),
-            ),
+            Encoding::I8Rows => (Units::OfRows(units), Entries::Small(data)),
         };
         Self {
             rows,
@@ -87,10 +83,9 @@ impl<'a> MatrixView<'a> {
     pub fn get(&self, row: usize, column: usize) -> f32 {
         let index = row * self.columns + column;
         let entry = match self.entries {
-            Entries::Aligned(entries) => entries.get(index).copied(),
-            Entries::Bytes(entries) => entries.get(index).copied().map(f32::from_le_bytes),
+            Entries::Singles(entries) => entries.get(index).copied().map(f32::from_le_bytes),
             Entries::Shorts(entries) => entries.get(index).copied().map(short),
-            Entries::Small(entries) => entries.get(index).copied().map(f32::from),
+            Entries::Small(entries) => entries.get(index).copied().map(small),
         };
         let unit = match self.units {
             Units::One => Some(1.0),
@@ -148,10 +143,11 @@ impl<'a> MatrixView<'a> {
     pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
         let range = row * self.columns..row * self.columns + x.len();
         let sum = match self.entries {
-            Entries::Aligned(entries) => dot_by(part(entries, range), x, T::from_f32),
-            Entries::Bytes(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(f32::from_le_bytes(entry))),
+            Entries::Singles(entries) => {
+                dot_by(part(entries, range), x, |entry| T::from_f32(f32::from_le_bytes(entry)))
+            }
             Entries::Shorts(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(short(entry))),
-            Entries::Small(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(entry.into())),
+            Entries::Small(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(small(entry))),
         };
         self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
     }
@@ -170,30 +166,25 @@ impl<'a> MatrixView<'a> {
             let range = row * self.columns..row * self.columns + out.len();
             let factor = self.units.of_row(row).map_or(factor, |unit| factor * T::from_f32(unit));
             match self.entries {
-                Entries::Aligned(entries) => add_by(out, factor, part(entries, range), T::from_f32),
-                Entries::Bytes(entries) => add_by(out, factor, part(entries, range), |entry| {
+                Entries::Singles(entries) => add_by(out, factor, part(entries, range), |entry| {
                     T::from_f32(f32::from_le_bytes(entry))
                 }),
                 Entries::Shorts(entries) => {
                     add_by(out, factor, part(entries, range), |entry| T::from_f32(short(entry)))
                 }
-                Entries::Small(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(entry.into())),
+                Entries::Small(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(small(entry))),
             }
         }
         self.scale(out);
     }
 }
 
-/// Little-endian singles, as they lie where that is possible.
-fn singles(data: &[u8]) -> Entries<'_> {
-    match bytemuck::try_cast_slice(data) {
-        Ok(singles) if cfg!(target_endian = "little") => Entries::Aligned(singles),
-        _ => Entries::Bytes(data.as_chunks().0),
-    }
-}
-
 fn short(bytes: [u8; 2]) -> f32 {
     i16::from_le_bytes(bytes).into()
+}
+
+fn small(byte: u8) -> f32 {
+    byte.cast_signed().into()
 }
 
 /// A stored list of node indices.
@@ -270,7 +261,7 @@ mod tests {
         bytes[..4].copy_from_slice(&0.5_f32.to_le_bytes());
         bytes[4..8].copy_from_slice(&2.0_f32.to_le_bytes());
         let small = [3_i8, -128, 127, -1, 0, 5];
-        bytes[8..].copy_from_slice(bytemuck::cast_slice(&small));
+        bytes[8..].copy_from_slice(&small.map(i8::cast_unsigned));
         let view = MatrixView::new(&Matrix::new(2, 3, Encoding::I8Rows, &bytes));
         assert_eq!([view.get(0, 1), view.get(1, 2), view.get(2, 0)], [-64.0, 10.0, 0.0]);
         let mut found = [0.0_f32; 2];
@@ -283,25 +274,6 @@ mod tests {
         assert_eq!(sum, [-1.0, 0.0, 5.0]);
     }
 
-    #[test]
-    fn aligned_and_unaligned_bytes_read_alike() {
-        let values: [f32; 6] = [1.5, -2.0, 3.25, 1e-20, 7.0, -0.5];
-        let mut bytes = [0_u8; 40];
-        let start = bytes.as_ptr().align_offset(4);
-        let x = [0.1_f32, 0.7, -1.3];
-        let mut found = [[0.0_f32; 2]; 2];
-        for (shift, found) in found.iter_mut().enumerate() {
-            for (i, value) in values.iter().enumerate() {
-                bytes[start + shift + 4 * i..][..4].copy_from_slice(&value.to_le_bytes());
-            }
-            let view = MatrixView::new(&Matrix::f32(2, 3, &bytes[start + shift..][..24]));
-            assert_eq!(matches!(view.entries, Entries::Aligned(_)), shift == 0);
-            assert_eq!(view.get(1, 2), -0.5);
-            view.multiply(0, &x, found);
-        }
-        assert_eq!(found[0], found[1]);
-        assert!((found[0][0] - (0.15 - 1.4 - 4.225)).abs() < 1e-6);
-    }
     #[test]
     fn an_entry_out_of_bounds_is_found_whatever_its_unit() {
         let first = |encoding, bytes: &[u8]| MatrixView::new(&Matrix::new(2, 2, encoding, bytes)).outside(-10.0, 10.0);
