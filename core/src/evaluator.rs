@@ -16,6 +16,9 @@ use crate::surface::volume;
 use crate::workspace::{Coefficients, Factor, Prepared, Workspace};
 use crate::{Domain, Frame, Method, Query, Real, Scene};
 
+/// Instants that share a pass over the modes in [`Evaluator::positions`]: as many as registers hold.
+pub const TOGETHER: usize = 4;
+
 /// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
 const NEGLIGIBLE: f32 = 1e-6;
 
@@ -186,6 +189,48 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             t,
         })
     }
+
+    /// Positions of the scene's nodes, in l, at several instants of the prepared query: those of the first instant into the
+    /// first entries of `out`, then those of the second ... Returns how many there are of each. The bits are those of
+    /// [`Instant::positions`]; the modes are read once for [`TOGETHER`] instants.
+    ///
+    /// # Errors
+    /// As [`at`](Self::at) and [`Instant::positions`].
+    pub fn positions(&mut self, times: &[T], scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
+        let model = self.model;
+        let (together, rest) = times.as_chunks::<TOGETHER>();
+        let (mut count, mut start) = (0, 0);
+        for times in together {
+            let mut values = [[T::ZERO; K]; TOGETHER];
+            let mut translation = [T::ZERO; TOGETHER];
+            let mut longest = 1;
+            for ((t, values), translation) in times.iter().zip(&mut values).zip(&mut translation) {
+                let mut instant = self.at(*t)?;
+                let shape = instant.shape(scene.frame);
+                let ([coefficients], [along]) = (shape.coefficients, shape.translation);
+                part_mut(values, 0..coefficients.len()).copy_from_slice(coefficients);
+                *translation = along;
+                longest = coefficients.len().max(longest);
+            }
+            let Some(time) = times.first() else { continue };
+            let one = self.at(*time)?;
+            let field = Snapshot {
+                mesh: model.mesh(),
+                modes: MatrixView::new(&one.cluster.field.modes),
+                coefficients: values.each_ref().map(|values| part(values, 0..longest)),
+                scale: model.scale(&one.query.parameters),
+                translation,
+            };
+            count = field.fill(model, scene.nodes, out.get_mut(start..).unwrap_or_default())?;
+            start += TOGETHER * count;
+        }
+        for t in rest {
+            let out = out.get_mut(start..).unwrap_or_default();
+            count = self.at(*t)?.positions(scene, out)?;
+            start += count;
+        }
+        Ok(count)
+    }
 }
 
 /// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps what the next
@@ -296,9 +341,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let field = Snapshot {
             mesh: self.model.mesh(),
             modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: part(values, 1..*count),
+            coefficients: [part(values, 1..*count)],
             scale: T::ZERO,
-            translation,
+            translation: [translation],
         };
         field.fill(self.model, scene.nodes, out)
     }
@@ -461,9 +506,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         Snapshot {
             mesh: self.model.mesh(),
             modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: part(values, 1..*count),
+            coefficients: [part(values, 1..*count)],
             scale: self.model.scale(&self.query.parameters),
-            translation,
+            translation: [translation],
         }
     }
 }

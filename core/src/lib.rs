@@ -46,7 +46,7 @@ mod surface;
 mod workspace;
 
 pub use error::{EncodeError, EvaluateError, OpenError};
-pub use evaluator::{Evaluator, Instant};
+pub use evaluator::{Evaluator, Instant, TOGETHER};
 pub use model::{DIAGONAL, MIDPLANE, Model};
 pub use observables::Observables;
 pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query, Scheme};

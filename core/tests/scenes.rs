@@ -261,3 +261,38 @@ fn expected_error_is_small_at_a_sample_and_grows_away_from_it() {
     }
     assert_eq!(MatrixView::new(&model.contents().error_times).rows(), 2);
 }
+
+#[test]
+fn several_instants_at_once_have_the_bits_of_each() {
+    let family = Family::new(3);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f32>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let times = [0.0, 0.4, 3.9, 2.0, 2.05, 2.1];
+    let list = [17, 3, 99];
+    for method in [Method::Direct, Method::Paper] {
+        evaluator
+            .prepare(&Query::new(PARAMETERS.map(|x| x as f32), method))
+            .unwrap();
+        for (nodes, count) in [
+            (Nodes::All, family.nodes()),
+            (Nodes::Set(DIAGONAL), family.sphere.diagonal.len()),
+            (Nodes::List(&list), 3),
+        ] {
+            for frame in [Frame::Laboratory, Frame::Centroid] {
+                let scene = Scene { nodes, frame };
+                let mut together = vec![[0.0; 3]; times.len() * count];
+                assert_eq!(evaluator.positions(&times, &scene, &mut together), Ok(count));
+                for (t, found) in times.iter().zip(together.chunks(count)) {
+                    let mut alone = vec![[0.0; 3]; count];
+                    evaluator.at(*t).unwrap().positions(&scene, &mut alone).unwrap();
+                    assert_eq!(found, alone, "{method:?} {t}");
+                }
+                let short = together.len() - 1;
+                let error = evaluator.positions(&times, &scene, &mut together[..short]).unwrap_err();
+                assert!(matches!(error, EvaluateError::BufferTooShort { .. }), "{error}");
+            }
+        }
+    }
+}

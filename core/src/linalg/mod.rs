@@ -22,14 +22,21 @@ pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
-/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8 and the lanes
-/// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are, and however many
-/// zeros follow.
+/// Dot product of stored entries with a vector of the same length.
 pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
-    let mut lanes = [T::ZERO; LANES];
+    let [dot] = dots_by(a, [x], value);
+    dot
+}
+
+/// Dot products of stored entries with some vectors of the same length. Entry i goes to lane i mod 8 and the lanes
+/// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are, however many
+/// zeros follow, and however many products are taken at once.
+#[inline(always)]
+pub(crate) fn dots_by<E: Copy, T: Real, const B: usize>(a: &[E], x: [&[T]; B], value: impl Fn(E) -> T) -> [T; B] {
+    let mut lanes = [[T::ZERO; LANES]; B];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
-    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-    for (a, x) in a_chunks.iter().zip(x_chunks) {
+    let (x_chunks, x_rest) = (x.map(|x| x.as_chunks::<LANES>().0), x.map(|x| x.as_chunks::<LANES>().1));
+    for (i, a) in a_chunks.iter().enumerate() {
         let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
         let values = [
             value(a0),
@@ -41,14 +48,19 @@ pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T)
             value(a6),
             value(a7),
         ];
-        lanes = add_products(lanes, values, *x);
+        for (lanes, x) in lanes.iter_mut().zip(&x_chunks) {
+            let Some(x) = x.get(i) else { continue };
+            *lanes = add_products(*lanes, values, *x);
+        }
     }
     if !a_rest.is_empty() {
         let values = core::array::from_fn(|i| a_rest.get(i).map_or(T::ZERO, |a| value(*a)));
-        let x = core::array::from_fn(|i| x_rest.get(i).copied().unwrap_or(T::ZERO));
-        lanes = add_products(lanes, values, x);
+        for (lanes, x) in lanes.iter_mut().zip(x_rest) {
+            let x = core::array::from_fn(|i| x.get(i).copied().unwrap_or(T::ZERO));
+            *lanes = add_products(*lanes, values, x);
+        }
     }
-    sum(lanes)
+    lanes.map(sum)
 }
 
 /// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in

@@ -2,7 +2,7 @@
 
 use super::wire::{Blob, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{add_by, dot_by, part};
+use crate::linalg::{add_by, dots_by, part};
 
 /// A stored matrix, row-major; the bytes need not be aligned.
 #[derive(Clone, Copy, Debug)]
@@ -141,15 +141,25 @@ impl<'a> MatrixView<'a> {
 
     /// Row times a [scaled](Self::scale) vector, over as many columns as the vector has.
     pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
-        let range = row * self.columns..row * self.columns + x.len();
-        let sum = match self.entries {
+        let [dot] = self.dots(row, [x]);
+        dot
+    }
+
+    /// Row times some [scaled](Self::scale) vectors of the same length, in one pass over the row.
+    pub(crate) fn dots<T: Real, const B: usize>(&self, row: usize, x: [&[T]; B]) -> [T; B] {
+        let columns = x.first().map_or(0, |x| x.len());
+        let range = row * self.columns..row * self.columns + columns;
+        let sums = match self.entries {
             Entries::Singles(entries) => {
-                dot_by(part(entries, range), x, |entry| T::from_f32(f32::from_le_bytes(entry)))
+                dots_by(part(entries, range), x, |entry| T::from_f32(f32::from_le_bytes(entry)))
             }
-            Entries::Shorts(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(short(entry))),
-            Entries::Small(entries) => dot_by(part(entries, range), x, |entry| T::from_f32(small(entry))),
+            Entries::Shorts(entries) => dots_by(part(entries, range), x, |entry| T::from_f32(short(entry))),
+            Entries::Small(entries) => dots_by(part(entries, range), x, |entry| T::from_f32(small(entry))),
         };
-        self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
+        match self.units.of_row(row) {
+            Some(unit) => sums.map(|sum| sum * T::from_f32(unit)),
+            None => sums,
+        }
     }
 
     /// out <- the rows from `first` on times a [scaled](Self::scale) vector, as many as `out` holds.
