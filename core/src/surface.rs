@@ -2,7 +2,7 @@
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::model::Mesh;
+use crate::model::{Mesh, apply};
 
 /// The quadrature of degree 4 with six points (Dunavant, 1985): two barycentric weights of a point, the third, and its own
 /// weight for the unit triangle of area 1/2; three points each.
@@ -153,8 +153,11 @@ fn sum<T: Real>(mesh: &Mesh<'_>, contribution: &Contribution<'_, T>) -> Result<T
 /// Whether a node's reference position has y >= 0 and z >= 0.
 fn in_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
     const ON_PLANE: f32 = 1e-6;
-    mesh.reference(node)
-        .is_some_and(|[_, y, z]| y >= -ON_PLANE && z >= -ON_PLANE)
+    mesh.origin(node).is_some_and(|(sector_node, operation)| {
+        let [y, z] = [1, 2].map(|axis| mesh.sector_reference_component(sector_node, axis));
+        let [_, y, z] = apply(operation, [0.0, y, z]);
+        y >= -ON_PLANE && z >= -ON_PLANE
+    })
 }
 
 /// Whether a node that is not in the quarter takes its value from a node that is.
