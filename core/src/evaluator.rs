@@ -251,7 +251,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     }
 
     /// Does at most `pieces` pieces of the work that everything at this instant waits for, and returns whether it is
-    /// done: for callers who must not be kept. A piece is a snapshot or a row of a local basis, or a step in time of
+    /// done: for callers who must not be kept. A piece is a snapshot, a row or a mode of a local basis, or a step in time of
     /// [`Method::Paper`]; [`Method::Direct`] has no such work. Another instant may be asked for in between.
     pub fn advance(&mut self, pieces: usize) -> bool {
         let (t, step) = (self.t, self.step());

@@ -207,7 +207,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
 }
 
 /// Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
-/// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot or a row of a local basis, or
+/// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot, a row or a mode of a local basis, or
 /// a step in time, of the paper's method; the direct method has no such work. What is asked at an instant does what is
 /// left of it.
 ///
