@@ -121,7 +121,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
             Learning::Gathering { rank, .. } => {
                 let (rows, reflections) = factor.split_at_mut_checked(rank)?;
                 for (k, (row, reflection)) in rows.iter_mut().zip(reflections).enumerate() {
-                    *reflection = *row;
+                    reflection.copy_from_slice(row);
                     part_mut(row, k + 1..PAPER_MODES).fill(T::ZERO);
                 }
                 let rotations = jacobi::Rotations::new(rows, rank, T::from_f32(NEGLIGIBLE / 4.0));
