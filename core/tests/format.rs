@@ -4,7 +4,7 @@ mod common;
 #[path = "common/header.rs"]
 mod header;
 
-use capsule_core::model::wire::{Blob, Contents, Encoding, Matrix, Reference};
+use capsule_core::model::wire::{Blob, Contents, Digits, Encoding, Matrix, Reference};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
 use common::{Arena, Family, write};
@@ -385,9 +385,11 @@ fn the_message_is_postcard() {
     contents.metadata.created_unix_s = u64::MAX;
     contents.metadata.title = "a µ-capsule";
     contents.default_method = Method::Paper;
-    contents.clusters[0].field.modes.encoding = Encoding::I16;
+    contents.clusters[0].field.modes.encoding = Encoding::Columns(Digits { coarse: 300 });
+    contents.clusters[1].field.fine.encoding = Encoding::Rows(Digits { coarse: 0 });
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.clusters[0].field.modes.encoding = Encoding::F32;
+    contents.clusters[1].field.fine.encoding = Encoding::F32;
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.steady_limit = Matrix::f32(0, 2, &[]);
     contents.mesh.reference = Reference::Shape { radius: 0.9 };

@@ -1,6 +1,6 @@
 //! Views that read numbers in place, from wherever the file lies.
 
-use super::wire::{Blob, Encoding, Matrix};
+use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
 use crate::linalg::{add_by, dots_by, part};
 
@@ -16,8 +16,11 @@ pub struct MatrixView<'a> {
 #[derive(Clone, Copy, Debug)]
 enum Entries<'a> {
     Singles(&'a [[u8; 4]]),
-    Shorts(&'a [[u8; 2]]),
-    Small(&'a [u8]),
+    /// Rows of `coarse` integers of two bytes, then of one.
+    Integers {
+        coarse: usize,
+        bytes: &'a [u8],
+    },
 }
 
 /// What the entries are multiples of.
@@ -50,16 +53,19 @@ impl<'a> MatrixView<'a> {
         let [rows, columns] = [matrix.rows, matrix.columns].map(|count| count as usize);
         let units = match matrix.encoding {
             Encoding::F32 => 0,
-            Encoding::I16 => columns,
-            Encoding::I16Rows | Encoding::I8Rows => rows,
+            Encoding::Columns(_) => columns,
+            Encoding::Rows(_) => rows,
         };
         let (units, data) = matrix.blob.data.split_at_checked(4 * units).unwrap_or_default();
         let units = units.as_chunks().0;
+        let integers = |digits: Digits| Entries::Integers {
+            coarse: digits.coarse.into(),
+            bytes: data,
+        };
         let (units, entries) = match matrix.encoding {
             Encoding::F32 => (Units::One, Entries::Singles(data.as_chunks().0)),
-            Encoding::I16 => (Units::OfColumns(units), Entries::Shorts(data.as_chunks().0)),
-            Encoding::I16Rows => (Units::OfRows(units), Entries::Shorts(data.as_chunks().0)),
-            Encoding::I8Rows => (Units::OfRows(units), Entries::Small(data)),
+            Encoding::Columns(digits) => (Units::OfColumns(units), integers(digits)),
+            Encoding::Rows(digits) => (Units::OfRows(units), integers(digits)),
         };
         Self {
             rows,
@@ -81,11 +87,21 @@ impl<'a> MatrixView<'a> {
 
     /// Entry (row, column); 0 outside.
     pub fn get(&self, row: usize, column: usize) -> f32 {
-        let index = row * self.columns + column;
+        if column >= self.columns {
+            return 0.0;
+        }
         let entry = match self.entries {
-            Entries::Singles(entries) => entries.get(index).copied().map(f32::from_le_bytes),
-            Entries::Shorts(entries) => entries.get(index).copied().map(short),
-            Entries::Small(entries) => entries.get(index).copied().map(small),
+            Entries::Singles(entries) => entries
+                .get(row * self.columns + column)
+                .copied()
+                .map(f32::from_le_bytes),
+            Entries::Integers { coarse, bytes } => {
+                let (shorts, small) = integers(bytes, row, self.columns, coarse);
+                match column.checked_sub(coarse) {
+                    None => shorts.get(column).copied().map(short),
+                    Some(place) => small.get(place).copied().map(self::small),
+                }
+            }
         };
         let unit = match self.units {
             Units::One => Some(1.0),
@@ -98,10 +114,7 @@ impl<'a> MatrixView<'a> {
     /// The first entry that does not lie within bounds, by its number and value. Where all that can be said in a unit lies
     /// within them, for every unit, no entry is looked at.
     pub(super) fn outside(&self, min: f32, max: f32) -> Option<(usize, f32)> {
-        let greatest = match self.entries {
-            Entries::Small(_) => 128.0,
-            _ => 32768.0,
-        };
+        let greatest = 32768.0;
         let within = |unit: &[u8; 4]| {
             let reach = f32::from_le_bytes(*unit).abs() * greatest;
             min <= -reach && reach <= max
@@ -148,13 +161,27 @@ impl<'a> MatrixView<'a> {
     /// Row times some [scaled](Self::scale) vectors of the same length, in one pass over the row.
     pub(crate) fn dots<T: Real, const B: usize>(&self, row: usize, x: [&[T]; B]) -> [T; B] {
         let columns = x.first().map_or(0, |x| x.len());
-        let range = row * self.columns..row * self.columns + columns;
         let sums = match self.entries {
             Entries::Singles(entries) => {
-                dots_by(part(entries, range), x, |entry| T::from_f32(f32::from_le_bytes(entry)))
+                let start = row * self.columns;
+                let entries = part(entries, start..start + columns);
+                dots_by(entries, x, |entry| T::from_f32(f32::from_le_bytes(entry)))
             }
-            Entries::Shorts(entries) => dots_by(part(entries, range), x, |entry| T::from_f32(short(entry))),
-            Entries::Small(entries) => dots_by(part(entries, range), x, |entry| T::from_f32(small(entry))),
+            Entries::Integers { coarse, bytes } => {
+                let (shorts, small) = integers(bytes, row, self.columns, coarse);
+                let middle = coarse.min(columns);
+                let leading = x.map(|x| part(x, 0..middle));
+                let mut sums = dots_by(part(shorts, 0..middle), leading, |entry| T::from_f32(short(entry)));
+                if middle < columns {
+                    let trailing = x.map(|x| part(x, middle..columns));
+                    let small = part(small, 0..columns - middle);
+                    let rest = dots_by(small, trailing, |entry| T::from_f32(self::small(entry)));
+                    for (sum, rest) in sums.iter_mut().zip(rest) {
+                        *sum += rest;
+                    }
+                }
+                sums
+            }
         };
         match self.units.of_row(row) {
             Some(unit) => sums.map(|sum| sum * T::from_f32(unit)),
@@ -173,20 +200,31 @@ impl<'a> MatrixView<'a> {
     pub(crate) fn combine<T: Real>(&self, factors: impl Iterator<Item = (usize, T)>, out: &mut [T]) {
         out.fill(T::ZERO);
         for (row, factor) in factors {
-            let range = row * self.columns..row * self.columns + out.len();
             let factor = self.units.of_row(row).map_or(factor, |unit| factor * T::from_f32(unit));
             match self.entries {
-                Entries::Singles(entries) => add_by(out, factor, part(entries, range), |entry| {
-                    T::from_f32(f32::from_le_bytes(entry))
-                }),
-                Entries::Shorts(entries) => {
-                    add_by(out, factor, part(entries, range), |entry| T::from_f32(short(entry)))
+                Entries::Singles(entries) => {
+                    let start = row * self.columns;
+                    let entries = part(entries, start..start + out.len());
+                    add_by(out, factor, entries, |entry| T::from_f32(f32::from_le_bytes(entry)));
                 }
-                Entries::Small(entries) => add_by(out, factor, part(entries, range), |entry| T::from_f32(small(entry))),
+                Entries::Integers { coarse, bytes } => {
+                    let (shorts, small) = integers(bytes, row, self.columns, coarse);
+                    let (leading, trailing) = out.split_at_mut(coarse.min(out.len()));
+                    add_by(leading, factor, shorts, |entry| T::from_f32(short(entry)));
+                    add_by(trailing, factor, small, |entry| T::from_f32(self::small(entry)));
+                }
             }
         }
         self.scale(out);
     }
+}
+
+/// The integers of a row: of two bytes, then of one.
+fn integers(bytes: &[u8], row: usize, columns: usize, coarse: usize) -> (&[[u8; 2]], &[u8]) {
+    let length = columns + coarse;
+    let row = part(bytes, row * length..(row + 1) * length);
+    let (shorts, small) = row.split_at_checked(2 * coarse).unwrap_or_default();
+    (shorts.as_chunks().0, small)
 }
 
 fn short(bytes: [u8; 2]) -> f32 {
@@ -250,7 +288,7 @@ mod tests {
         for (bytes, integer) in bytes[8..].chunks_exact_mut(2).zip(integers) {
             bytes.copy_from_slice(&integer.to_le_bytes());
         }
-        let view = MatrixView::new(&Matrix::new(3, 2, Encoding::I16, &bytes));
+        let view = MatrixView::new(&Matrix::new(3, 2, Encoding::Columns(Digits { coarse: 2 }), &bytes));
         let expected = [[1.5, -2.0], [-16383.5, 7e-3], [0.0, 1e-3]];
         let (mut x, mut found) = ([2.0, 10.0], [0.0_f64; 3]);
         view.scale(&mut x);
@@ -266,13 +304,37 @@ mod tests {
     }
 
     #[test]
+    fn a_row_has_integers_of_two_bytes_and_then_of_one() {
+        // 300, -2, 100 | -5, 7, -128 in units of 0.5, 1, 2.
+        let mut bytes = [0_u8; 20];
+        for (bytes, unit) in bytes.chunks_exact_mut(4).zip([0.5_f32, 1.0, 2.0]) {
+            bytes.copy_from_slice(&unit.to_le_bytes());
+        }
+        bytes[12..].copy_from_slice(&[44, 1, 254, 100, 251, 255, 7, 128]);
+        let view = MatrixView::new(&Matrix::new(2, 3, Encoding::Columns(Digits { coarse: 1 }), &bytes));
+        let rows = [[150.0, -2.0, 200.0], [-2.5, 7.0, -256.0]];
+        for (row, entries) in rows.iter().enumerate() {
+            assert_eq!([0, 1, 2].map(|column| view.get(row, column)), *entries);
+            for columns in 1..=3 {
+                let mut x = [3.0_f64, -1.0, 0.5];
+                let exact: f64 = (0..columns).map(|k| x[k] * f64::from(entries[k])).sum();
+                view.scale(&mut x);
+                assert_eq!(view.dots(row, [&x[..columns], &x[..columns]]), [exact; 2]);
+            }
+        }
+        let mut sum = [0.0_f64; 3];
+        view.combine([(0, 1.0), (1, 2.0)].into_iter(), &mut sum);
+        assert_eq!(sum, [145.0, 12.0, -312.0]);
+    }
+
+    #[test]
     fn integers_read_in_the_units_of_their_rows() {
         let mut bytes = [0_u8; 14];
         bytes[..4].copy_from_slice(&0.5_f32.to_le_bytes());
         bytes[4..8].copy_from_slice(&2.0_f32.to_le_bytes());
         let small = [3_i8, -128, 127, -1, 0, 5];
         bytes[8..].copy_from_slice(&small.map(i8::cast_unsigned));
-        let view = MatrixView::new(&Matrix::new(2, 3, Encoding::I8Rows, &bytes));
+        let view = MatrixView::new(&Matrix::new(2, 3, Encoding::Rows(Digits { coarse: 0 }), &bytes));
         assert_eq!([view.get(0, 1), view.get(1, 2), view.get(2, 0)], [-64.0, 10.0, 0.0]);
         let mut found = [0.0_f32; 2];
         view.multiply(0, &[1.0, 0.0, 2.0], &mut found);
@@ -294,19 +356,26 @@ mod tests {
             bytes[8..8 + integers.len()].copy_from_slice(integers);
             bytes
         };
+        let [two, one] = [2, 0].map(|coarse| Digits { coarse });
         let shorts = [1, 0, 2, 0, 3, 0, 4, 0];
-        for encoding in [Encoding::I16, Encoding::I16Rows] {
+        for encoding in [Encoding::Columns(two), Encoding::Rows(two)] {
             assert_eq!(first(encoding, &file([1e-4, 1e-4], &shorts)), None);
             // The unit could carry more than there is.
             assert_eq!(first(encoding, &file([1.0, 1.0], &shorts)), None);
             assert!(first(encoding, &file([1.0, f32::NAN], &shorts)).is_some());
         }
-        assert_eq!(first(Encoding::I16, &file([4.0, 1.0], &shorts)), Some((2, 12.0)));
-        assert_eq!(first(Encoding::I16Rows, &file([1.0, 4.0], &shorts)), Some((2, 12.0)));
         assert_eq!(
-            first(Encoding::I8Rows, &file([0.01, 4.0], &[127, 1, 2, 253])[..12]),
+            first(Encoding::Columns(two), &file([4.0, 1.0], &shorts)),
+            Some((2, 12.0))
+        );
+        assert_eq!(first(Encoding::Rows(two), &file([1.0, 4.0], &shorts)), Some((2, 12.0)));
+        assert_eq!(
+            first(Encoding::Rows(one), &file([0.01, 4.0], &[127, 1, 2, 253])[..12]),
             Some((3, -12.0))
         );
-        assert_eq!(first(Encoding::I8Rows, &file([0.01, 4.0], &[127, 1, 2, 2])[..12]), None);
+        assert_eq!(
+            first(Encoding::Rows(one), &file([0.01, 4.0], &[127, 1, 2, 2])[..12]),
+            None
+        );
     }
 }

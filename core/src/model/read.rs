@@ -3,7 +3,7 @@
 //! first; bytes, texts and lists behind their length; enums by the number of the variant; floats as they are.
 
 use super::wire::{
-    Blob, Cluster, Contents, Encoding, Errors, Field, Kernel, Matrix, Mesh, Metadata, Method, NodeSet, Paper,
+    Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Kernel, Matrix, Mesh, Metadata, Method, NodeSet, Paper,
     Parameter, Reference, Units,
 };
 use heapless::Vec;
@@ -193,9 +193,16 @@ impl<'a> Part<'a> for Encoding {
     fn read(&mut self, from: &mut Cursor<'a>) {
         *self = match from.integer(32) {
             0 => Self::F32,
-            1 => Self::I16,
-            2 => Self::I16Rows,
-            3 => Self::I8Rows,
+            variant @ (1 | 2) => {
+                let mut coarse = 0;
+                coarse.read(from);
+                let digits = Digits { coarse };
+                if variant == 1 {
+                    Self::Columns(digits)
+                } else {
+                    Self::Rows(digits)
+                }
+            }
             _ => return from.spoil(),
         }
     }

@@ -1,7 +1,7 @@
 //! The checks of [`Model::open`](super::Model::open): dimensions, indices, ranges, finiteness.
 
 use super::matrix::{Indices, MatrixView};
-use super::wire::{Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Mesh, NodeSet, Reference};
+use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Mesh, NodeSet, Reference};
 use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 
@@ -321,14 +321,19 @@ impl Judge {
                 found: found[1],
             });
         }
-        let (entry, units) = match matrix.encoding {
-            Encoding::F32 => (4, 0),
-            Encoding::I16 => (2, columns),
-            Encoding::I16Rows => (2, rows),
-            Encoding::I8Rows => (1, rows),
+        let (row, units) = match matrix.encoding {
+            Encoding::F32 => (columns.saturating_mul(4), 0),
+            Encoding::Columns(Digits { coarse }) => (columns.saturating_add(coarse.into()), columns),
+            Encoding::Rows(Digits { coarse }) => (columns.saturating_add(coarse.into()), rows),
         };
-        let entries = rows.saturating_mul(columns).saturating_mul(entry);
-        self.length(what, &matrix.blob, entries.saturating_add(units.saturating_mul(4)));
+        if let Encoding::Columns(Digits { coarse }) | Encoding::Rows(Digits { coarse }) = matrix.encoding {
+            self.index(what, 0, coarse.into(), columns.saturating_add(1));
+        }
+        self.length(
+            what,
+            &matrix.blob,
+            rows.saturating_mul(row).saturating_add(units.saturating_mul(4)),
+        );
         if self.found.is_err() {
             return MatrixView::new(&Matrix::f32(0, columns as u32, &[]));
         }

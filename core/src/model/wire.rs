@@ -263,12 +263,17 @@ pub enum Encoding {
     /// Little-endian binary32.
     #[default]
     F32,
-    /// A little-endian binary32 for each column, its unit; then little-endian i16 in the units of their columns.
-    I16,
-    /// A little-endian binary32 for each row, its unit; then little-endian i16 in the units of their rows.
-    I16Rows,
-    /// A little-endian binary32 for each row, its unit; then i8 in the units of their rows.
-    I8Rows,
+    /// A little-endian binary32 for each column, its unit; then the rows in the units of their columns.
+    Columns(Digits),
+    /// A little-endian binary32 for each row, its unit; then the rows in units of their own.
+    Rows(Digits),
+}
+
+/// How the integers of a row are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Digits {
+    /// How many of its first entries are little-endian i16; the others are i8.
+    pub coarse: u16,
 }
 
 /// Little-endian numbers, aligned to 16 bytes in the file by the pad before them.

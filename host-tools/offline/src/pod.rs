@@ -154,16 +154,13 @@ impl Snapshots {
         let parameter_modes = parameter.subcols(0, columns).to_owned();
         let core = product(&parameter_modes.transpose().to_owned(), &stacked);
 
-        // Finer than the modes is of no use.
-        let tolerance = self.truncation.tolerance().unwrap_or(RANKS_TOLERANCE);
-        let reached = self.error_beyond(&space_values, size, count).max(tolerance);
-        let budget = (GRADING_SHARE * reached).powi(2) * (self.nodes * count) as f64;
+        let budget = self.grading(&space_values, size, count).powi(2) * (self.nodes * count) as f64;
         let slice = |b: usize| graded(Mat::from_fn(size, columns, |k, l| core[(l, b * size + k)]), budget);
 
         let translations: Vec<Mat<f64>> = keep.iter().map(|j| self.fit.controls(&self.translation[*j])).collect();
         let translations = Mat::from_fn(count, slices, |j, b| translations[j][(0, b)]);
         let (axial, axial_values) = left_singular(translations.as_ref())?;
-        let axial_rank = rank(&axial_values, AXIAL_SHARE * tolerance, values).clamp(1, MAX_AXIAL);
+        let axial_rank = rank(&axial_values, AXIAL_SHARE * self.tolerance(), values).clamp(1, MAX_AXIAL);
         let axial_modes = axial.subcols(0, axial_rank.min(axial.ncols())).to_owned();
         Ok(DoublePod {
             modes,
@@ -181,6 +178,25 @@ impl Snapshots {
         product(&self.basis, &pod.modes)
     }
 
+    fn tolerance(&self) -> f64 {
+        self.truncation.tolerance().unwrap_or(RANKS_TOLERANCE)
+    }
+
+    /// What fewer digits may add, root mean square: finer than the modes that are kept is of no use.
+    fn grading(&self, space_values: &[f64], modes: usize, samples: usize) -> f64 {
+        GRADING_SHARE * self.error_beyond(space_values, modes, samples).max(self.tolerance())
+    }
+
+    /// How many of the leading modes need two bytes an entry; `greatest` is the greatest entry of a mode at the nodes.
+    pub(crate) fn coarse_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
+        let (count, samples) = (pod.modes.ncols(), pod.parameter_modes.nrows());
+        let snapshots = (self.shape[0].ncols() * samples) as f64;
+        let budget = self.grading(&pod.space_values, count, samples).powi(2);
+        // Of each of the three components of a node, times the mode's mean square coefficient.
+        let rounding = |k: usize| 3.0 * rounding(greatest(k)) * pod.space_values[k].powi(2) / snapshots;
+        trailing(count, budget, rounding).next_multiple_of(LANES).min(count)
+    }
+
     /// What a root-mean-square error of the displacement over the nodes, instants (or controls) and samples is made of, for
     /// singular values from `from` on.
     pub(crate) fn error_beyond(&self, values: &[f64], from: usize, samples: usize) -> f64 {
@@ -196,24 +212,29 @@ fn graded(slice: Mat<f64>, budget: f64) -> Slice {
     let all = &slice;
     let entries = |k: usize| (0..columns).map(move |l| all[(k, l)]);
     let square = |k: usize| entries(k).map(|x| x * x).sum::<f64>();
-    // Rounding to a whole number of units has the variance of a uniform distribution.
-    let rounding = |k: usize| {
-        let unit = entries(k).fold(0.0, |a: f64, x| a.max(x.abs())) / f64::from(i8::MAX);
-        columns as f64 * unit * unit / 12.0
-    };
-    let trailing = |end: usize, error: &dyn Fn(usize) -> f64| {
-        let mut sum = 0.0;
-        let within = (0..end).rev().take_while(|k| {
-            sum += error(*k);
-            sum <= budget
-        });
-        end - within.count()
-    };
-    let end = trailing(rows, &square);
+    let rounding = |k: usize| columns as f64 * rounding(entries(k).fold(0.0, |a: f64, x| a.max(x.abs())));
+    let end = trailing(rows, budget, square);
     Slice {
-        coarse: trailing(end, &rounding),
+        coarse: trailing(end, budget, rounding),
         rows: slice.subrows(0, end).to_owned(),
     }
+}
+
+/// Mean square of the rounding of numbers to one byte, the greatest of which is the greatest integer: the variance of a
+/// uniform distribution over a unit.
+fn rounding(greatest: f64) -> f64 {
+    let unit = greatest / f64::from(i8::MAX);
+    unit * unit / 12.0
+}
+
+/// Where the trailing ones begin that add no more than a budget.
+fn trailing(end: usize, budget: f64, error: impl Fn(usize) -> f64) -> usize {
+    let mut sum = 0.0;
+    let within = (0..end).rev().take_while(|k| {
+        sum += error(*k);
+        sum <= budget
+    });
+    end - within.count()
 }
 
 /// The least rank beyond which the singular values add up to no more than the tolerance, root mean square over `count`.

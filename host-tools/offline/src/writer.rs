@@ -2,7 +2,7 @@
 
 use capsule_core::model::encode;
 use capsule_core::model::wire::{
-    self, Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference,
+    self, Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference,
 };
 use capsule_core::{DIAGONAL, MIDPLANE};
 use capsule_database::{Mesh, Symmetry};
@@ -36,50 +36,63 @@ impl Numbers {
         }
     }
 
-    /// As [`Numbers::new`], as integers in units of the columns if the storage is so.
-    fn in_columns(storage: Storage, rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
+    /// As [`Numbers::new`], as integers in units of the columns if the storage is so: `coarse` columns in two bytes, the others
+    /// in one.
+    fn in_columns(
+        storage: Storage,
+        coarse: usize,
+        [rows, columns]: [usize; 2],
+        value: impl Fn(usize, usize) -> f64,
+    ) -> Self {
         if storage == Storage::Single {
             return Numbers::new(rows, columns, value);
         }
         let greatest = |j| (0..rows).map(|i| value(i, j).abs()).fold(0.0, f64::max);
-        let units: Vec<f32> = (0..columns).map(|j| unit(greatest(j), i16::MAX.into())).collect();
-        let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
-        for i in 0..rows {
-            let integers = units.iter().enumerate().map(|(j, unit)| integer(value(i, j), *unit));
-            bytes.extend(integers.flat_map(|integer| (integer as i16).to_le_bytes()));
-        }
-        Numbers {
-            rows,
-            columns,
-            encoding: Encoding::I16,
-            bytes,
-        }
+        let units: Vec<f32> = (0..columns).map(|j| unit(greatest(j), j < coarse)).collect();
+        let entries = (0..rows).map(|i| (0..columns).map(|j| value(i, j) / f64::from(units[j])).collect());
+        Numbers::integers(Encoding::Columns, &units, coarse, columns, entries)
     }
 
-    /// Rows as integers in units of their own, if the storage is so.
-    fn in_rows(storage: Storage, encoding: Encoding, columns: usize, rows: &[Vec<f64>]) -> Self {
+    /// Rows as integers in units of their own, if the storage is so, in two bytes or in one.
+    fn in_rows(storage: Storage, two_bytes: bool, columns: usize, rows: &[Vec<f64>]) -> Self {
         if storage == Storage::Single {
             return Numbers::new(rows.len(), columns, |i, j| rows[i][j]);
         }
-        let small = encoding == Encoding::I8Rows;
-        let most = if small { i8::MAX.into() } else { i16::MAX.into() };
         let greatest = |row: &Vec<f64>| row.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-        let units: Vec<f32> = rows.iter().map(|row| unit(greatest(row), most)).collect();
+        let units: Vec<f32> = rows.iter().map(|row| unit(greatest(row), two_bytes)).collect();
+        let entries = rows.iter().zip(&units);
+        let entries = entries.map(|(row, unit)| row.iter().map(|x| x / f64::from(*unit)).collect());
+        let coarse = if two_bytes { columns } else { 0 };
+        Numbers::integers(Encoding::Rows, &units, coarse, columns, entries)
+    }
+
+    /// Units, and rows of multiples of them.
+    fn integers(
+        encoding: fn(Digits) -> Encoding,
+        units: &[f32],
+        coarse: usize,
+        columns: usize,
+        rows: impl Iterator<Item = Vec<f64>>,
+    ) -> Self {
         let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
-        for (row, unit) in rows.iter().zip(&units) {
-            for value in row {
-                let integer = integer(*value, *unit);
-                if small {
-                    bytes.extend((integer as i8).to_le_bytes());
-                } else {
+        let mut count = 0;
+        for row in rows {
+            count += 1;
+            for (j, multiple) in row.into_iter().enumerate() {
+                // A unit is rounded, so a multiple may be one more than the greatest; casts saturate. Of a unit that is 0 every
+                // multiple is.
+                let integer = multiple.round();
+                if j < coarse {
                     bytes.extend((integer as i16).to_le_bytes());
+                } else {
+                    bytes.extend((integer as i8).to_le_bytes());
                 }
             }
         }
         Numbers {
-            rows: rows.len(),
+            rows: count,
             columns,
-            encoding,
+            encoding: encoding(Digits { coarse: coarse as u16 }),
             bytes,
         }
     }
@@ -92,7 +105,7 @@ impl Numbers {
     fn without(&self, out: &[usize]) -> Self {
         // The units of the columns come first, then the rows.
         let units = match self.encoding {
-            Encoding::I16 => 4 * self.columns,
+            Encoding::Columns(_) => 4 * self.columns,
             _ => 0,
         };
         let (units, entries) = self.bytes.split_at(units);
@@ -111,18 +124,10 @@ impl Numbers {
     }
 }
 
-/// The unit in which the greatest number is the greatest integer.
-fn unit(greatest: f64, most: f64) -> f32 {
+/// The unit in which the greatest number is the greatest integer of two bytes or of one.
+fn unit(greatest: f64, two_bytes: bool) -> f32 {
+    let most = if two_bytes { i16::MAX.into() } else { f64::from(i8::MAX) };
     (greatest / most) as f32
-}
-
-/// The nearest multiple of a unit. The unit is rounded, so it may be one more than the greatest; casts saturate.
-fn integer(value: f64, unit: f32) -> f64 {
-    if unit > 0.0 {
-        (value / f64::from(unit)).round()
-    } else {
-        0.0
-    }
 }
 
 /// The mesh as the file holds it.
@@ -306,6 +311,9 @@ struct FieldParts {
 impl FieldParts {
     fn new(snapshots: &Snapshots, pod: &DoublePod, scales: &[f64], storage: Storage) -> Self {
         let modes = snapshots.modes_at_nodes(pod);
+        let at_node = |row: usize, k: usize| modes[(row, k)] / scales[row / 3];
+        let greatest = |k| (0..modes.nrows()).map(|row| at_node(row, k).abs()).fold(0.0, f64::max);
+        let coarse_modes = snapshots.coarse_modes(pod, greatest);
         let columns = pod.parameter_modes.ncols();
         let row = |slice: &Slice, k: usize| (0..columns).map(|l| slice.rows[(k, l)]).collect::<Vec<f64>>();
         let (mut slices, mut coarse, mut fine) = (Vec::new(), Vec::new(), Vec::new());
@@ -317,16 +325,14 @@ impl FieldParts {
         }
         let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
         FieldParts {
-            modes: Numbers::in_columns(storage, modes.nrows(), modes.ncols(), |row, k| {
-                modes[(row, k)] / scales[row / 3]
-            }),
-            parameter_modes: Numbers::in_columns(storage, pod.parameter_modes.nrows(), columns, |j, l| {
+            modes: Numbers::in_columns(storage, coarse_modes, [modes.nrows(), modes.ncols()], at_node),
+            parameter_modes: Numbers::in_columns(storage, columns, [pod.parameter_modes.nrows(), columns], |j, l| {
                 pod.parameter_modes[(j, l)]
             }),
             knots: Numbers::column(snapshots.knots()),
             slices: indices(&slices),
-            coarse: Numbers::in_rows(storage, Encoding::I16Rows, columns, &coarse),
-            fine: Numbers::in_rows(storage, Encoding::I8Rows, columns, &fine),
+            coarse: Numbers::in_rows(storage, true, columns, &coarse),
+            fine: Numbers::in_rows(storage, false, columns, &fine),
             axial_controls: dense(&pod.axial_controls),
             axial_modes: dense(&pod.axial_modes),
         }
