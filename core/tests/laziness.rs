@@ -1,106 +1,19 @@
-//! What is not asked for is not computed: counted by the stored numbers that are read, with a scalar that counts.
+//! What is not asked for is not computed: counted by the stored numbers that are read and the
+//! products that are formed, with a number that counts.
 
 mod common;
 
 use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace};
+use capsule_gauge::{Counted, count};
 use common::{FUNCTIONS, Family, SHAPE_MODES};
-use std::cell::Cell;
-use std::fmt;
-use std::iter::Sum;
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
-
-thread_local!(static READS: Cell<usize> = const { Cell::new(0) });
-
-/// A single that counts how often one is made from a stored number.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-struct Counted(f32);
-
-macro_rules! operators {
-    ($($operator:ident, $method:ident, $assign:ident, $assign_method:ident;)*) => {$(
-        impl $operator for Counted {
-            type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                Self(self.0.$method(other.0))
-            }
-        }
-        impl $assign for Counted {
-            fn $assign_method(&mut self, other: Self) {
-                self.0.$assign_method(other.0);
-            }
-        }
-    )*};
-}
-
-operators! {
-    Add, add, AddAssign, add_assign;
-    Sub, sub, SubAssign, sub_assign;
-    Mul, mul, MulAssign, mul_assign;
-}
-
-impl Div for Counted {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        Self(self.0 / other.0)
-    }
-}
-
-impl Neg for Counted {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-impl Sum for Counted {
-    fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
-        Self(iter.map(|value| value.0).sum())
-    }
-}
-
-impl fmt::Display for Counted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl Real for Counted {
-    const ZERO: Self = Self(0.0);
-    const ONE: Self = Self(1.0);
-    const EPSILON: Self = Self(f32::EPSILON);
-
-    fn from_f32(value: f32) -> Self {
-        READS.with(|reads| reads.set(reads.get() + 1));
-        Self(value)
-    }
-    fn from_f64(value: f64) -> Self {
-        Self(value as f32)
-    }
-    fn to_f64(self) -> f64 {
-        self.0.into()
-    }
-    fn to_index(self) -> usize {
-        self.0 as usize
-    }
-    fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-    fn exp(self) -> Self {
-        Self(self.0.exp())
-    }
-    fn is_finite(self) -> bool {
-        self.0.is_finite()
-    }
-}
 
 /// Constants in the code count as reads too: so many a call has at most.
 const CONSTANTS: usize = 3;
 
 /// Stored numbers that a piece of work reads, and constants.
 fn reads<R>(work: impl FnOnce() -> R) -> usize {
-    let before = READS.with(Cell::get);
-    work();
-    READS.with(Cell::get) - before
+    count(work).1.reads
 }
 
 /// Reads of one node: its row of every mode, and its reference position.

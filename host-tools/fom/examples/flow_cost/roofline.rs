@@ -1,6 +1,5 @@
 //! Rates of the kernels beside the peaks measured in the same run, on one core.
 
-use std::convert::Infallible;
 use std::hint::black_box;
 
 use capsule_fom::flow::Precision;
@@ -8,8 +7,8 @@ use capsule_fom::flow::dense::Dense;
 use capsule_fom::flow::patch::{Patch, PatchRule};
 use capsule_fom::flow::quadrature::TriangleRule;
 use capsule_fom::flow::stokeslet::{Sources, StokesletSums, add_sums};
+use capsule_gauge::{Arithmetic, least_time, peak, reading};
 use faer::Mat;
-use multiversion::multiversion;
 
 /// Floating-point operations for a pair of source and target in single and in double precision: 27 that do not depend on
 /// the precision (3 differences, 5 for the square, 5 for the product with the force, 2 for the part along the distance,
@@ -20,12 +19,9 @@ const INTERPOLATION: f64 = 9.0 * 6.0 * 2.0 + 10.0;
 
 /// Measures and prints the table.
 pub fn print(repetitions: usize) {
-    let fma = [
-        fma_rate(repetitions, 16 * SINGLE_CHAINS, fma_single),
-        fma_rate(repetitions, 8 * DOUBLE_CHAINS, fma_double),
-    ];
-    let memory = read_rate(repetitions.min(20), 256 << 20);
-    let cache = read_rate(repetitions, MATRIX * MATRIX * 4);
+    let fma = [Arithmetic::FusedSingle, Arithmetic::FusedDouble].map(|arithmetic| peak(arithmetic, repetitions));
+    let memory = reading(256 << 20, repetitions.min(20)) / 1e9;
+    let cache = reading(MATRIX * MATRIX * 4, repetitions) / 1e9;
     println!(
         "peaks: {:.0} GFlop/s in single and {:.0} in double precision (fused multiply-adds in registers), reading {memory:.1} \
          GB/s from memory and {cache:.1} GB/s of an array of the size of the walls' matrix",
@@ -111,78 +107,6 @@ pub fn print(repetitions: usize) {
 /// Unknowns of the walls in each parity, in the production setting.
 const MATRIX: usize = 1152;
 
-/// The least time of one pass of so many repetitions, each long enough to be timed.
-fn time(repetitions: usize, passes: usize, mut pass: impl FnMut()) -> f64 {
-    let work = || {
-        (0..passes).for_each(|_| pass());
-        Ok::<_, Infallible>(())
-    };
-    match super::best(repetitions, work) {
-        Ok(seconds) => seconds / passes as f64,
-        Err(never) => match never {},
-    }
-}
-
-/// Independent sums, each one AVX-512 register: enough to hide the latency.
-const SINGLE_CHAINS: usize = 6;
-const DOUBLE_CHAINS: usize = 12;
-const STEPS: usize = 10_000;
-
-/// Operations in a second of a loop with so many fused multiply-adds a step.
-fn fma_rate(repetitions: usize, each: usize, pass: fn(f32) -> f32) -> f64 {
-    let seconds = time(repetitions, 1, || {
-        black_box(pass(black_box(0.9)));
-    });
-    (2 * each * STEPS) as f64 / seconds
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn fma_single(factor: f32) -> f32 {
-    let mut sums = [[1.0_f32; 16]; SINGLE_CHAINS];
-    for _ in 0..STEPS {
-        for sum in &mut sums {
-            for lane in sum {
-                *lane = lane.mul_add(factor, 0.5);
-            }
-        }
-    }
-    black_box(&sums)[0][0]
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn fma_double(factor: f32) -> f32 {
-    let factor = f64::from(factor);
-    let mut sums = [[1.0_f64; 8]; DOUBLE_CHAINS];
-    for _ in 0..STEPS {
-        for sum in &mut sums {
-            for lane in sum {
-                *lane = lane.mul_add(factor, 0.5);
-            }
-        }
-    }
-    black_box(&sums)[0][0] as f32
-}
-
-/// GB/s of reading an array again and again.
-fn read_rate(repetitions: usize, bytes: usize) -> f64 {
-    let array = vec![1.0_f32; bytes / 4];
-    let seconds = time(repetitions, 1, || {
-        black_box(total(black_box(&array)));
-    });
-    bytes as f64 / seconds / 1e9
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn total(array: &[f32]) -> f32 {
-    let mut sums = [0.0; 64];
-    for chunk in array.as_chunks::<64>().0 {
-        for l in 0..64 {
-            sums[l] += chunk[l];
-        }
-    }
-    sums.iter().sum()
-}
-
 fn sums<S: StokesletSums>(repetitions: usize, sources: usize, targets: usize) -> f64 {
     let noise = |i: usize| (i as f64 * 0.618_033_988_749_894_8).fract();
     let mut list = Sources::<S>::with_capacity(sources);
@@ -197,7 +121,7 @@ fn sums<S: StokesletSums>(repetitions: usize, sources: usize, targets: usize) ->
         .collect();
     let mut out = vec![[0.0; 3]; targets.len()];
     let passes = (200_000 / (sources * targets.len())).max(1);
-    time(repetitions, passes, || {
+    least_time(repetitions, passes, || {
         add_sums(list.all(), black_box(&targets), &mut out)
     })
 }
@@ -213,7 +137,7 @@ fn interpolation(repetitions: usize, rule: &PatchRule) -> f64 {
     ];
     let patch = Patch::new(&[0, 1, 2, 3, 4, 5], &nodes, &nodes);
     let mut sources = Sources::default();
-    time(repetitions, 1000, || {
+    least_time(repetitions, 1000, || {
         sources.clear();
         black_box(&patch).add_sources(rule, &mut sources);
     })
@@ -223,7 +147,7 @@ fn product(repetitions: usize, precision: Precision) -> f64 {
     let matrix = Mat::from_fn(MATRIX, MATRIX, |i, j| ((i + 3 * j) as f64).sin());
     let matrix = Dense::new(&matrix, precision);
     let vector = vec![1.0; MATRIX];
-    time(repetitions, 1, || {
+    least_time(repetitions, 1, || {
         black_box(matrix.multiply(black_box(&vector)));
     })
 }

@@ -1,0 +1,165 @@
+//! A number that counts.
+
+use std::cell::Cell;
+use std::fmt;
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use capsule_core::Real;
+use serde::Serialize;
+
+thread_local!(static COUNTS: Cell<Counts> = const { Cell::new(Counts::NONE) });
+
+/// What was done with [`Counted`] numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Numbers made from a single: those that a model file stores, and the code's constants.
+    pub reads: usize,
+    /// Sums and differences.
+    pub additions: usize,
+    /// Products.
+    pub multiplications: usize,
+    /// Quotients, roots and exponentials.
+    pub others: usize,
+}
+
+impl Counts {
+    const NONE: Self = Self {
+        reads: 0,
+        additions: 0,
+        multiplications: 0,
+        others: 0,
+    };
+
+    /// All arithmetic, in floating-point operations.
+    #[must_use]
+    pub fn operations(&self) -> usize {
+        self.additions + self.multiplications + self.others
+    }
+}
+
+/// What a piece of work does with [`Counted`] numbers on this thread, and what it returns.
+pub fn count<R>(work: impl FnOnce() -> R) -> (R, Counts) {
+    let outer = COUNTS.replace(Counts::NONE);
+    let result = work();
+    (result, COUNTS.replace(outer))
+}
+
+fn note(change: impl FnOnce(&mut Counts)) {
+    COUNTS.with(|cell| {
+        let mut counts = cell.get();
+        change(&mut counts);
+        cell.set(counts);
+    });
+}
+
+/// A single that counts how often one is made from a stored number, and its arithmetic.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Counted(pub f32);
+
+macro_rules! operators {
+    ($($operator:ident, $method:ident, $assign:ident, $assign_method:ident, $counter:ident;)*) => {$(
+        impl $operator for Counted {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                note(|counts| counts.$counter += 1);
+                Self(self.0.$method(other.0))
+            }
+        }
+        impl $assign for Counted {
+            fn $assign_method(&mut self, other: Self) {
+                note(|counts| counts.$counter += 1);
+                self.0.$assign_method(other.0);
+            }
+        }
+    )*};
+}
+
+operators! {
+    Add, add, AddAssign, add_assign, additions;
+    Sub, sub, SubAssign, sub_assign, additions;
+    Mul, mul, MulAssign, mul_assign, multiplications;
+}
+
+impl Div for Counted {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        note(|counts| counts.others += 1);
+        Self(self.0 / other.0)
+    }
+}
+
+impl Neg for Counted {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Sum for Counted {
+    fn sum<I: Iterator<Item = Self>>(iter: I) -> Self {
+        iter.fold(Self::ZERO, |sum, value| sum + value)
+    }
+}
+
+impl fmt::Display for Counted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Real for Counted {
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+    const EPSILON: Self = Self(f32::EPSILON);
+
+    fn from_f32(value: f32) -> Self {
+        note(|counts| counts.reads += 1);
+        Self(value)
+    }
+    fn from_f64(value: f64) -> Self {
+        Self(Real::from_f64(value))
+    }
+    fn to_f64(self) -> f64 {
+        self.0.into()
+    }
+    fn to_index(self) -> usize {
+        self.0.to_index()
+    }
+    fn sqrt(self) -> Self {
+        note(|counts| counts.others += 1);
+        Self(Real::sqrt(self.0))
+    }
+    fn exp(self) -> Self {
+        note(|counts| counts.others += 1);
+        Self(Real::exp(self.0))
+    }
+    fn is_finite(self) -> bool {
+        self.0.is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_done_is_counted_once() {
+        let work = || {
+            let (_, inner) = count(|| Counted(1.0) * Counted(2.0));
+            assert_eq!((inner.multiplications, inner.operations()), (1, 1));
+            let mut sum: Counted = [1.0, 2.0].map(Counted::from_f32).into_iter().sum();
+            sum += Counted(1.0);
+            (sum - Counted(2.0)) / Counted(2.0) * Counted(3.0)
+        };
+        let (value, counts) = count(work);
+        assert_eq!(value.0, 3.0);
+        let expected = Counts {
+            reads: 2,
+            additions: 4,
+            multiplications: 1,
+            others: 1,
+        };
+        assert_eq!(counts, expected);
+    }
+}
