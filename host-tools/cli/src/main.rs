@@ -23,6 +23,7 @@ mod study_fresh;
 mod study_leave_one_out;
 mod study_report;
 mod study_sample;
+mod study_scenes;
 mod study_smoothness;
 mod study_speed;
 mod study_stability;
@@ -119,6 +120,8 @@ enum Study {
     Smoothness(study_smoothness::Options),
     /// Time of a query, a trajectory, a surface, an outline
     Speed(study_speed::Options),
+    /// What an outline, a section, a surface, velocities, tensions cost: operations, bytes, time
+    Scenes(study_scenes::Options),
     /// Errors against settings, conditioning, edges, degenerate samples, random queries, spoilt data
     Stability(study_stability::Options),
     /// One page with the paper's figures, run time against error, scene costs, stability and calibration
@@ -141,6 +144,7 @@ fn main() -> ExitCode {
         Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
         Command::Study(Study::Sample(options)) => study_sample::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
+        Command::Study(Study::Scenes(options)) => study_scenes::run(&options),
         Command::Study(Study::Speed(options)) => study_speed::run(&options),
         Command::Study(Study::Stability(options)) => study_stability::run(&options),
         Command::Study(Study::Report(options)) => study_report::run(&options),

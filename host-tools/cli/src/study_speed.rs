@@ -1,9 +1,11 @@
-//! `capsule-rom study speed`: how long the model takes to answer, on this machine.
+//! `capsule-rom study speed`: how long the model takes to answer, on one core of this machine.
 
 use crate::{interrupt, model, print};
 use anyhow::{Context, Result};
+use capsule_core::{Method, Model};
 use capsule_fom::{Configuration, Settings, Solver};
-use capsule_study::speed::{self, Task, Timing};
+use capsule_study::speed::{Timing, time};
+use capsule_study::task::{QUERIES, Question, Task, questions, tasks};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,12 +16,12 @@ pub struct Options {
     /// Model file [default: the shipped model]
     #[arg(long)]
     model: Option<PathBuf>,
-    /// How often each task is repeated
-    #[arg(long, default_value_t = 201)]
-    repetitions: usize,
-    /// Do not run the full-order model beside it (some 15 s)
-    #[arg(long)]
-    no_fom: bool,
+    /// How many random queries each task is timed with
+    #[arg(long, default_value_t = 1001)]
+    queries: usize,
+    /// Configurations that the full-order model runs beside it, some 3 s each; 0 for none
+    #[arg(long, default_value_t = 3)]
+    fom_runs: usize,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -40,56 +42,70 @@ struct Report {
     observables_us_spread: [f64; 2],
     next_frame_us: f64,
     next_frame_us_spread: [f64; 2],
-    /// One trajectory of the full-order model against one of the reduced-order model, in the same run.
+    /// One trajectory of the full-order model against one of the reduced-order model at the same parameters, in the same
+    /// run: the median of the configurations.
     fom_over_rom: Option<f64>,
+    /// The least and the greatest of the configurations.
     fom_over_rom_spread: Option<[f64; 2]>,
+    configurations: Vec<Ratio>,
     /// All tasks and both methods.
     timings: Vec<Timing>,
 }
+
+/// One configuration by both models, on one core.
+#[derive(Serialize)]
+struct Ratio {
+    capillary_number: f64,
+    confinement: f64,
+    fom_us: f64,
+    rom_us: f64,
+}
+
+/// How often the reduced-order model repeats what the full-order model does once, beside it.
+const BESIDE: usize = 21;
+/// The paper's method is a hundred times slower.
+const PAPER_SHARE: usize = 20;
 
 pub fn run(options: &Options) -> Result<()> {
     let path = options.model.as_deref();
     let bytes = model::read(path)?;
     let model = model::open(&bytes, path)?;
-    // Between the samples, in both clusters.
-    let queries = [
-        [0.035, 0.83],
-        [0.055, 1.03],
-        [0.025, 1.13],
-        [0.085, 0.88],
-        [0.045, 0.97],
-    ];
-    let timings = speed::measure::<f32>(&model, &queries, options.repetitions)?;
-    let of = |task: Task| {
+    let asked = questions(&model, options.queries)?;
+    let mut timings = Vec::new();
+    for task in tasks(&model) {
+        timings.push(time::<f32>(&model, Method::Direct, &task, &asked)?);
+    }
+    let few = &asked[..asked.len().div_ceil(PAPER_SHARE)];
+    for task in QUERIES {
+        timings.push(time::<f32>(&model, Method::Paper, &task, few)?);
+    }
+    let of = |task: &str| {
         let timing = timings
             .iter()
             .find(|timing| timing.task == task && timing.method == "direct");
-        timing.with_context(|| format!("{task:?} was not timed"))
+        timing.with_context(|| format!("{task} was not timed"))
     };
     let median = |task| of(task).map(|timing| timing.median_us);
     let spread = |task| of(task).map(|timing| [timing.lower_quartile_us, timing.upper_quartile_us]);
-    let full = if options.no_fom {
-        None
-    } else {
-        Some(1e6 * full_order_seconds()?)
-    };
-    let trajectory = median(Task::Trajectory)?;
-    let quartiles = spread(Task::Trajectory)?;
+    let configurations = ratios(&model, &asked[..asked.len().min(options.fom_runs)])?;
+    let mut ratios: Vec<f64> = configurations.iter().map(|ratio| ratio.fom_us / ratio.rom_us).collect();
+    ratios.sort_by(f64::total_cmp);
     let report = Report {
-        prepare_us: median(Task::Prepare)?,
-        prepare_us_spread: spread(Task::Prepare)?,
-        trajectory_us: trajectory,
-        trajectory_us_spread: quartiles,
-        surface_us: median(Task::Surface)?,
-        surface_us_spread: spread(Task::Surface)?,
-        outline_us: median(Task::Outline)?,
-        outline_us_spread: spread(Task::Outline)?,
-        observables_us: median(Task::Observables)?,
-        observables_us_spread: spread(Task::Observables)?,
-        next_frame_us: median(Task::NextFrame)?,
-        next_frame_us_spread: spread(Task::NextFrame)?,
-        fom_over_rom: full.map(|full| full / trajectory),
-        fom_over_rom_spread: full.map(|full| [full / quartiles[1], full / quartiles[0]]),
+        prepare_us: median("prepare")?,
+        prepare_us_spread: spread("prepare")?,
+        trajectory_us: median("trajectory")?,
+        trajectory_us_spread: spread("trajectory")?,
+        surface_us: median("surface")?,
+        surface_us_spread: spread("surface")?,
+        outline_us: median("outline")?,
+        outline_us_spread: spread("outline")?,
+        observables_us: median("observables")?,
+        observables_us_spread: spread("observables")?,
+        next_frame_us: median("next_frame")?,
+        next_frame_us_spread: spread("next_frame")?,
+        fom_over_rom: ratios.get(ratios.len() / 2).copied(),
+        fom_over_rom_spread: ratios.first().zip(ratios.last()).map(|(least, most)| [*least, *most]),
+        configurations,
         timings,
     };
     if options.json {
@@ -101,7 +117,7 @@ pub fn run(options: &Options) -> Result<()> {
         .map(|timing| {
             vec![
                 timing.method.to_owned(),
-                format!("{:?}", timing.task).to_lowercase(),
+                timing.task.replace('_', " "),
                 format!("{:.1}", timing.median_us),
                 format!("{:.1}", timing.lower_quartile_us),
                 format!("{:.1}", timing.upper_quartile_us),
@@ -112,20 +128,41 @@ pub fn run(options: &Options) -> Result<()> {
         &["method", "task", "median/us", "lower quartile", "upper quartile"],
         &rows,
     )?;
-    if let Some(ratio) = report.fom_over_rom {
-        println!("one trajectory of the full-order model takes {ratio:.3e} times as long");
+    if let (Some(ratio), Some([least, most])) = (report.fom_over_rom, report.fom_over_rom_spread) {
+        println!("one trajectory of the full-order model takes {ratio:.0} times as long ({least:.0} to {most:.0})");
     }
     Ok(())
 }
 
-/// Wall time of one run of the full-order model, mesh 13, at (0.10, 0.90), on one core.
-fn full_order_seconds() -> Result<f64> {
-    let solver = Solver::new(Settings::default())?;
-    let configuration = Configuration {
-        capillary_number: 0.10,
-        confinement: 0.90,
+/// Runs the full-order model and beside it, at the same parameters, the reduced-order model.
+fn ratios(model: &Model<'_>, questions: &[Question]) -> Result<Vec<Ratio>> {
+    if questions.is_empty() {
+        return Ok(Vec::new());
+    }
+    let trajectory = QUERIES.iter().find(|task| task.name == "trajectory");
+    let trajectory: &Task = trajectory.context("no task is a trajectory")?;
+    let settings = Settings {
+        end_time: model.end_time().into(),
+        ..Settings::default()
     };
+    let solver = Solver::new(settings)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let outcome = pool.install(|| solver.run(&configuration, &mut |_| interrupt::flow()))?;
-    Ok(outcome.wall_time_s)
+    questions
+        .iter()
+        .map(|question| {
+            let [capillary_number, confinement] = [question.parameters.get(0), question.parameters.get(1)];
+            let configuration = Configuration {
+                capillary_number,
+                confinement,
+            };
+            let outcome = pool.install(|| solver.run(&configuration, &mut |_| interrupt::flow()))?;
+            let beside = time::<f32>(model, Method::Direct, trajectory, &vec![*question; BESIDE])?;
+            Ok(Ratio {
+                capillary_number,
+                confinement,
+                fom_us: 1e6 * outcome.wall_time_s,
+                rom_us: beside.median_us,
+            })
+        })
+        .collect()
 }

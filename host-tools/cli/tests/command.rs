@@ -59,6 +59,7 @@ fn every_command_has_help_with_an_example() {
         "predict",
         "study leave-one-out",
         "study speed",
+        "study scenes",
         "completions",
     ] {
         let output = capsule_rom(&format!("{command} --help"));

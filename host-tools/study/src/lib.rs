@@ -4,11 +4,15 @@
 mod error;
 mod fresh;
 mod leave_one_out;
+mod random;
 mod report;
 pub mod sample;
+pub mod scenes;
 pub mod smoothness;
 pub mod speed;
 pub mod stability;
+pub mod task;
+pub mod touched;
 
 pub use error::StudyError;
 pub use fresh::{Fresh, InstantStated, Stated, fresh};

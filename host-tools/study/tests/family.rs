@@ -5,10 +5,10 @@ mod grid;
 #[path = "../../offline/tests/support/mod.rs"]
 mod support;
 
-use capsule_core::Model;
+use capsule_core::{Method, Model};
 use capsule_database::{Database, Description};
 use capsule_offline::{Settings, Storage, Truncation, build};
-use capsule_study::{SampleErrors, StudyError, leave_one_out, speed};
+use capsule_study::{SampleErrors, StudyError, leave_one_out, speed, task, touched};
 
 fn quiet(_: &str, _: usize, _: usize) {}
 
@@ -82,15 +82,51 @@ fn times_are_positive_and_ordered() {
     };
     let (bytes, _) = build(&database, &settings, &quiet).unwrap();
     let model = Model::open(&bytes).unwrap();
-    let timings = speed::measure(&model, &[[0.05f32, 0.85], [0.06, 0.93]], 5).unwrap();
-    assert_eq!(timings.len(), 2 * speed::Task::ALL.len());
-    for t in &timings {
-        assert!(0.0 < t.lower_quartile_us && t.lower_quartile_us <= t.median_us, "{t:?}");
-        assert!(t.median_us <= t.upper_quartile_us && t.bits == 32, "{t:?}");
+    let questions = task::questions(&model, 12).unwrap();
+    for task in task::tasks(&model) {
+        let timing = speed::time::<f32>(&model, Method::Direct, &task, &questions).unwrap();
+        assert!(
+            0.0 < timing.lower_quartile_us && timing.lower_quartile_us <= timing.median_us,
+            "{timing:?}"
+        );
+        assert!(
+            timing.median_us <= timing.upper_quartile_us && timing.bits == 32,
+            "{timing:?}"
+        );
+        let error = speed::time::<f64>(&model, Method::Direct, &task, &[]).unwrap_err();
+        assert!(
+            matches!(error, StudyError::NothingToMeasure { queries: 0, .. }),
+            "{error}"
+        );
     }
-    let error = speed::measure(&model, &[[0.05f64, 0.85]], 5).unwrap_err();
-    assert!(
-        matches!(error, StudyError::NothingToMeasure { queries: 1, .. }),
-        "{error}"
+}
+
+#[test]
+fn an_answer_depends_on_what_it_shows_alone() {
+    let directory = tempfile::tempdir().unwrap();
+    let database = grid::database(directory.path());
+    let settings = Settings {
+        error_times: vec![1.0],
+        ..settings()
+    };
+    let (bytes, _) = build(&database, &settings, &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    let question = task::questions(&model, 1).unwrap()[0];
+    let touched = |name: &str| {
+        let task = task::tasks(&model).find(|task| task.name == name).unwrap();
+        touched::touched(&bytes, &task, &question).unwrap()
+    };
+    let (outline, surface, next) = (
+        touched("scene_outline"),
+        touched("scene_surface"),
+        touched("next_frame"),
     );
+    let within = |few: &[usize], many: &[usize]| few.iter().all(|block| many.contains(block));
+    assert!(!outline.is_empty() && within(&outline, &surface) && outline.len() < surface.len());
+    assert!(within(&touched("observables"), &surface));
+    // New parameters, and then the same.
+    let new = touched("surface");
+    assert!(within(&surface, &new) && within(&touched("prepare"), &new));
+    // Nothing that belongs to the other instants or to the velocities' nodes.
+    assert!(next.len() <= surface.len() && new.len() * touched::BLOCK < bytes.len() / 2);
 }

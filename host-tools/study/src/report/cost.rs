@@ -7,13 +7,12 @@ use capsule_plot::Axis;
 
 use super::accuracy::ALL;
 use super::sheet::{Curves, Section, Series, Sheet};
+use crate::StudyError;
+use crate::scenes::{Limits, scenes as costs};
 use crate::stability::Subject;
 use crate::stability::settings::{SCHEMES, changed};
 use crate::stability::truth::{Truth, errors, read};
-use crate::{StudyError, speed};
-
-/// Instants of a trajectory, as in the paper.
-const TRAJECTORY: usize = 100;
+use crate::task::{INSTANTS as TRAJECTORY, questions};
 
 /// One way to answer.
 struct Way {
@@ -175,24 +174,50 @@ fn way<T: Real>(
 
 /// What each kind of answer costs.
 pub(super) fn scenes(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Result<Section, StudyError> {
+    let limits = Limits::measure(subject.model.len());
+    let questions = questions(model, if subject.quick { 5 } else { 501 })?;
+    let costs = costs(subject.model, &questions, &limits, !subject.quick)?;
     let mut section = Section::new(
         "What a scene costs",
-        "Median time of each task on one core of this machine, in single precision; quartiles beside it.",
+        &format!(
+            "Direct evaluation in single precision, medians over {} random questions, on one core of this machine, which does at most \
+             {:.0} operations a nanosecond ({:.0} with the instructions that the core is compiled for) and reads {:.0} bytes of the \
+             model. Tasks called scene ask of prepared parameters; the bytes are whole blocks of 256 of the model on which the answer depends.",
+            questions.len(),
+            limits.operations_per_ns,
+            limits.portable_operations_per_ns,
+            limits.bytes_per_ns
+        ),
     );
-    let queries = [
-        [0.035, 0.83],
-        [0.055, 1.03],
-        [0.025, 1.13],
-        [0.085, 0.88],
-        [0.045, 0.97],
-    ];
-    let timings = speed::measure::<f32>(model, &queries, if subject.quick { 5 } else { 101 })?;
-    let rows = timings.iter().map(|timing| {
-        let task = format!("{:?}", timing.task).to_lowercase();
-        let times = [timing.median_us, timing.lower_quartile_us, timing.upper_quartile_us].map(|us| format!("{us:.1}"));
-        [vec![timing.method.to_owned(), task], times.to_vec()].concat()
+    let rows = costs.iter().map(|cost| {
+        let timing = &cost.timing;
+        let counts = [cost.reads, cost.operations].map(|count| count.to_string());
+        let bytes = cost.model_bytes.map_or(String::new(), |bytes| bytes.to_string());
+        let times = [
+            timing.median_us,
+            timing.lower_quartile_us,
+            timing.upper_quartile_us,
+            cost.least_us,
+        ];
+        let head = [vec![timing.task.replace('_', " ")], counts.to_vec(), vec![bytes]].concat();
+        [
+            head,
+            vec![cost.answer_bytes.to_string()],
+            times.map(|us| format!("{us:.2}")).to_vec(),
+        ]
+        .concat()
     });
-    let heading = ["method", "task", "median us", "lower quartile us", "upper quartile us"];
+    let heading = [
+        "task",
+        "numbers read",
+        "operations",
+        "model bytes",
+        "answer bytes",
+        "median us",
+        "lower quartile us",
+        "upper quartile us",
+        "least possible us",
+    ];
     section.table(sheet, "scenes.csv", &heading, rows.collect())?;
     Ok(section)
 }

@@ -7,9 +7,9 @@ use capsule_core::{Evaluator, Method, Model, Query, Workspace};
 use capsule_database::{Database, Description, Mesh, Symmetry, Trajectory};
 use capsule_offline::{BuildReport, OfflineError, Ranks, Settings, Truncation, build};
 
-use super::random::Random;
 use super::truth::{Errors, INSTANTS, Truth, errors, read};
 use super::{Check, Row, Subject};
+use crate::random::Random;
 use crate::{StudyError, name};
 
 const METHODS: [Method; 2] = [Method::Direct, Method::Paper];

@@ -4,6 +4,7 @@ use capsule_core::model::Curve;
 use capsule_core::{Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Query, Real, Workspace};
 
 use super::Check;
+use crate::random::Random;
 use crate::{StudyError, name};
 
 /// How far apart two neighbouring queries are, as a share of each parameter.
@@ -11,23 +12,6 @@ const APART: f64 = 1e-4;
 /// The greatest distance of their shapes and places, as a share of a: the continuity bound, by method. Each answer
 /// takes its nearest samples; where one is exchanged for another, the answer jumps by what the interpolation errs.
 const BOUND: [(Method, f64); 2] = [(Method::Direct, 0.03), (Method::Paper, 0.06)];
-
-/// A reproducible sequence of numbers in [0, 1) (Steele, Lea and Flood, OOPSLA 2014: SplitMix64).
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
 
 /// A million queries by direct evaluation, and as many by the paper's method as time allows; then anything at all.
 pub(super) fn checks(model: &Model, quick: bool) -> Result<Vec<Check>, StudyError> {

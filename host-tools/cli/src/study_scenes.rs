@@ -1,0 +1,74 @@
+//! `capsule-rom study scenes`: what each kind of answer costs, counted and timed.
+
+use crate::{model, print};
+use anyhow::Result;
+use capsule_study::scenes::{Cost, Limits, scenes};
+use capsule_study::task::questions;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  capsule-rom study scenes --json")]
+pub struct Options {
+    /// Model file [default: the shipped model]
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// How many random queries each task is timed with
+    #[arg(long, default_value_t = 501)]
+    queries: usize,
+    /// Do not find out which bytes of the model an answer depends on, which takes a minute
+    #[arg(long)]
+    no_bytes: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    limits: Limits,
+    tasks: Vec<Cost>,
+}
+
+pub fn run(options: &Options) -> Result<()> {
+    let path = options.model.as_deref();
+    let bytes = model::read(path)?;
+    let model = model::open(&bytes, path)?;
+    let limits = Limits::measure(bytes.len());
+    let tasks = scenes(&bytes, &questions(&model, options.queries)?, &limits, !options.no_bytes)?;
+    if options.json {
+        return print::json(&Report { limits, tasks });
+    }
+    println!(
+        "one core does at most {:.0} operations a nanosecond ({:.0} with the instructions that the core is compiled for) and \
+         reads {:.0} bytes of the model",
+        limits.operations_per_ns, limits.portable_operations_per_ns, limits.bytes_per_ns
+    );
+    let rows: Vec<Vec<String>> = tasks
+        .iter()
+        .map(|cost| {
+            vec![
+                cost.timing.task.replace('_', " "),
+                cost.reads.to_string(),
+                cost.operations.to_string(),
+                cost.model_bytes.map_or(String::new(), |bytes| bytes.to_string()),
+                cost.answer_bytes.to_string(),
+                format!("{:.1}", cost.timing.median_us),
+                format!("{:.2}", cost.least_us),
+            ]
+        })
+        .collect();
+    print::table(
+        &[
+            "task",
+            "numbers read",
+            "operations",
+            "model bytes",
+            "answer bytes",
+            "median/us",
+            "least possible/us",
+        ],
+        &rows,
+    )
+}

@@ -1,0 +1,279 @@
+//! What callers ask, one kind of question each, and what stands ready to answer it.
+
+use std::hint::black_box;
+
+use capsule_core::mechanics::Stencil;
+use capsule_core::model::wire::Reference;
+use capsule_core::{
+    Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Observables, Parameters, Query, Real,
+    Scene, Segment, Workspace, section,
+};
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::random::Random;
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum What {
+    /// Nothing.
+    Nothing,
+    /// Lengths, velocity and place.
+    Observables,
+    /// The outline in the plane z = 0.
+    Outline,
+    /// The cut of the surface by the plane through its centroid.
+    Section,
+    /// Positions of all nodes.
+    Surface,
+    /// Velocities of all nodes.
+    Velocities,
+    /// Principal tensions at the nodes from which the others follow by symmetry.
+    Tensions,
+}
+
+/// At which instants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum When {
+    /// One at random.
+    Once,
+    /// 0.02 time units after one that was looked at before.
+    Next,
+    /// [`INSTANTS`], evenly over the whole time.
+    Throughout,
+    /// The last, when the capsule has become steady.
+    End,
+}
+
+/// A kind of question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Task {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether the parameters are new, too; else they are prepared before.
+    pub new: bool,
+    /// At which instants.
+    pub when: When,
+    /// What is looked at.
+    pub what: What,
+}
+
+const fn task(name: &'static str, new: bool, when: When, what: What) -> Task {
+    Task { name, new, when, what }
+}
+
+/// New parameters, and what is asked of them first.
+pub const QUERIES: [Task; 6] = [
+    task("prepare", true, When::Once, What::Nothing),
+    task("new_observables", true, When::Once, What::Observables),
+    task("outline", true, When::Once, What::Outline),
+    task("surface", true, When::Once, What::Surface),
+    task("trajectory", true, When::Throughout, What::Surface),
+    task("steady_state", true, When::End, What::Outline),
+];
+
+/// What is asked of prepared parameters.
+pub const SCENES: [Task; 7] = [
+    task("observables", false, When::Once, What::Observables),
+    task("scene_outline", false, When::Once, What::Outline),
+    task("scene_section", false, When::Once, What::Section),
+    task("scene_surface", false, When::Once, What::Surface),
+    task("scene_velocities", false, When::Once, What::Velocities),
+    task("scene_tensions", false, When::Once, What::Tensions),
+    task("next_frame", false, When::Next, What::Surface),
+];
+
+/// All tasks that a model can be asked.
+pub fn tasks(model: &Model<'_>) -> impl Iterator<Item = Task> {
+    let outline = model.node_set(MIDPLANE).is_some();
+    let membrane = matches!(model.contents().mesh.reference, Reference::Sphere);
+    QUERIES.into_iter().chain(SCENES).filter(move |task| match task.what {
+        What::Outline => outline,
+        What::Tensions => membrane,
+        _ => true,
+    })
+}
+
+/// Instants of a trajectory.
+pub const INSTANTS: usize = 100;
+/// From one frame to the next.
+const FRAME: f64 = 0.02;
+
+/// One question: parameters and instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Question {
+    /// Within the domain.
+    pub parameters: Parameters<f64>,
+    /// Between 0 and the end less one frame.
+    pub t: f64,
+}
+
+/// So many questions at random, the same in every run.
+///
+/// # Errors
+/// [`StudyError::NothingToMeasure`] for a domain that chance does not find.
+pub fn questions(model: &Model<'_>, count: usize) -> Result<Vec<Question>, StudyError> {
+    let mut random = Random(11);
+    let end = f64::from(model.end_time()) - FRAME;
+    let mut one = || {
+        let ranges = &model.contents().metadata.parameters;
+        let values: Vec<f64> = ranges
+            .iter()
+            .map(|range| random.between(range.min, range.max))
+            .collect();
+        let parameters = Parameters::new(&values)?;
+        let t = random.between(0.0, end);
+        (model.domain(parameters) == Domain::Inside).then_some(Question { parameters, t })
+    };
+    let found: Vec<Question> = (0..1000 * count).filter_map(|_| one()).take(count).collect();
+    if found.len() == count && count > 0 {
+        Ok(found)
+    } else {
+        Err(StudyError::NothingToMeasure {
+            queries: found.len(),
+            repetitions: count,
+        })
+    }
+}
+
+/// A workspace and room for answers.
+#[derive(Clone)]
+pub(crate) struct Asker<T: Real> {
+    method: Method,
+    workspace: Box<Workspace<T>>,
+    stencils: Vec<Stencil<T>>,
+    nodes: Vec<[T; 3]>,
+    outline: Vec<[T; 2]>,
+    section: Vec<Segment<T>>,
+    tensions: Vec<[T; 2]>,
+    observables: Option<Observables<T>>,
+    /// Entries of the answer in its room.
+    count: usize,
+}
+
+impl<T: Real> Asker<T> {
+    pub(crate) fn new(model: &Model<'_>, method: Method) -> Result<Self, EvaluateError> {
+        let mesh = model.mesh();
+        let sphere = matches!(model.contents().mesh.reference, Reference::Sphere);
+        let sector = if sphere { mesh.sector_nodes().len() } else { 0 };
+        let stencils = mesh.sector_nodes().iter().take(sector);
+        Ok(Self {
+            method,
+            workspace: Box::new(Workspace::new()),
+            stencils: stencils
+                .map(|node| Stencil::at(&mesh, node))
+                .collect::<Result<_, _>>()?,
+            nodes: vec![[T::ZERO; 3]; mesh.nodes()],
+            outline: vec![[T::ZERO; 2]; model.node_set(MIDPLANE).map_or(0, |set| set.len())],
+            section: vec![[[T::ZERO; 2]; 2]; 4 * mesh.elements().count()],
+            tensions: vec![[T::ZERO; 2]; sector],
+            observables: None,
+            count: 0,
+        })
+    }
+
+    fn query(&self, question: &Question) -> Query<T> {
+        let mut values = [T::ZERO; capsule_core::MAX_PARAMETERS];
+        let given = question.parameters.as_slice();
+        for (value, given) in values.iter_mut().zip(given) {
+            *value = T::from_f64(*given);
+        }
+        let parameters = Parameters::new(values.get(..given.len()).unwrap_or_default());
+        Query {
+            extrapolate: true,
+            ..Query::new(parameters.unwrap_or_else(|| values.into()), self.method)
+        }
+    }
+
+    /// What comes before a task and does not belong to it.
+    pub(crate) fn before(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
+        if task.new {
+            self.workspace.forget();
+            return Ok(());
+        }
+        let query = self.query(question);
+        let mut evaluator = Evaluator::new(model, &mut self.workspace)?;
+        evaluator.prepare(&query)?;
+        // Some instant; not the one that is asked for.
+        let t = match task.when {
+            When::Next => question.t,
+            _ => f64::from(model.end_time()) - question.t,
+        };
+        evaluator.at(T::from_f64(t))?.centroid();
+        Ok(())
+    }
+
+    /// The task.
+    pub(crate) fn answer(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
+        let query = self.query(question);
+        let all = Scene {
+            nodes: Nodes::All,
+            frame: Frame::Laboratory,
+        };
+        let mut evaluator = Evaluator::new(model, &mut self.workspace)?;
+        if task.new {
+            evaluator.prepare(&query)?;
+        }
+        let end = f64::from(model.end_time());
+        let (first, last, step) = match task.when {
+            When::Once => (question.t, 1, 0.0),
+            When::Next => (question.t + FRAME, 1, 0.0),
+            When::End => (end, 1, 0.0),
+            When::Throughout => (end / INSTANTS as f64, INSTANTS, end / INSTANTS as f64),
+        };
+        for i in 0..last {
+            let mut instant = evaluator.at(T::from_f64(first + step * i as f64))?;
+            match task.what {
+                What::Nothing => {}
+                What::Observables => self.observables = Some(instant.observables()?),
+                What::Outline => self.count = instant.outline(MIDPLANE, Frame::Centroid, &mut self.outline)?,
+                What::Surface => self.count = instant.positions(&all, &mut self.nodes)?,
+                What::Velocities => self.count = instant.velocities(&all, &mut self.nodes)?,
+                What::Section => {
+                    instant.positions(&all, &mut self.nodes)?;
+                    let x = instant.centroid();
+                    self.count = section(&model.mesh(), &self.nodes, x, &mut self.section)?;
+                }
+                What::Tensions => {
+                    let membrane = instant.membrane(&mut self.nodes)?;
+                    for (stencil, tensions) in self.stencils.iter().zip(&mut self.tensions) {
+                        *tensions = membrane.deformation(stencil)?.tensions();
+                    }
+                    self.count = self.tensions.len();
+                }
+            }
+            black_box((
+                &self.nodes,
+                &self.outline,
+                &self.section,
+                &self.tensions,
+                &self.observables,
+            ));
+        }
+        Ok(())
+    }
+
+    /// The numbers of the last answer.
+    pub(crate) fn numbers(&self, what: What) -> Vec<f64> {
+        let numbers: Box<dyn Iterator<Item = T> + '_> = match what {
+            What::Nothing => Box::new(std::iter::empty()),
+            What::Observables => Box::new(self.observables.iter().flat_map(|found| {
+                [
+                    found.axial_length,
+                    found.half_width,
+                    found.half_diagonal,
+                    found.rear_depth,
+                    found.velocity,
+                    found.centroid,
+                ]
+            })),
+            What::Outline => Box::new(self.outline.iter().take(self.count).flatten().copied()),
+            What::Section => Box::new(self.section.iter().take(self.count).flatten().flatten().copied()),
+            What::Surface | What::Velocities => Box::new(self.nodes.iter().take(self.count).flatten().copied()),
+            What::Tensions => Box::new(self.tensions.iter().take(self.count).flatten().copied()),
+        };
+        numbers.map(T::to_f64).collect()
+    }
+}

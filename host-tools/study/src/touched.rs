@@ -1,0 +1,108 @@
+//! Which parts of a model file an answer depends on, found without looking into the core: by spoiling the others.
+
+use capsule_core::{EvaluateError, Method, Model};
+
+use crate::StudyError;
+use crate::task::{Asker, Question, Task, What};
+
+/// Bytes of a block, the least that is told apart: a few cache lines.
+pub const BLOCK: usize = 256;
+
+/// Spoils every byte of a block and leaves the CRC-32 of the whole as it is, so that the file still opens and prepared
+/// parameters still belong to it: the generator polynomial (x^32 + ... + 1, 33 bits, the lowest of a byte first), added
+/// at each byte where it fits.
+fn spoil(block: &mut [u8]) {
+    const GENERATOR: [u8; 5] = [0x41, 0x06, 0x71, 0xdb, 0x01];
+    for start in 0..(block.len() + 1).saturating_sub(GENERATOR.len()) {
+        for (byte, term) in block.iter_mut().skip(start).zip(GENERATOR) {
+            *byte ^= term;
+        }
+    }
+}
+
+/// An answer's bits, or why there is none.
+type Answer = Result<Vec<u64>, EvaluateError>;
+
+/// The blocks of a file on which the answer to a task depends; what was prepared before was prepared with the whole file.
+/// Blocks whose spoiling makes the file invalid (dimensions, indices, instants) are not among them: opening reads them, and
+/// a few hundred bytes of them every answer.
+///
+/// # Errors
+/// A file that cannot be opened.
+pub fn touched(file: &[u8], task: &Task, question: &Question) -> Result<Vec<usize>, StudyError> {
+    let whole = Model::open(file)?;
+    let mut ready = Asker::<f32>::new(&whole, Method::Direct)?;
+    ready.before(&whole, task, question)?;
+    let ask = |model: &Model<'_>| -> Answer {
+        let mut asker = ready.clone();
+        asker.answer(model, task, question)?;
+        let mut what = task.what;
+        if what == What::Nothing {
+            // What was prepared shows in what the whole file answers to it.
+            what = What::Surface;
+            asker.answer(
+                &whole,
+                &Task {
+                    new: false,
+                    what,
+                    ..*task
+                },
+                question,
+            )?;
+        }
+        Ok(asker.numbers(what).into_iter().map(f64::to_bits).collect())
+    };
+    let expected = ask(&whole);
+    let mut spoilt = file.to_vec();
+    let mut found = Vec::new();
+    // The header has no numbers.
+    let mut ranges = vec![(1, file.len().div_ceil(BLOCK))];
+    while let Some((from, to)) = ranges.pop() {
+        let blocks = |file: &mut [u8]| {
+            file.chunks_mut(BLOCK).take(to).skip(from).for_each(spoil);
+        };
+        blocks(&mut spoilt);
+        // None: the file is invalid.
+        let same = Model::open(&spoilt).ok().map(|model| ask(&model) == expected);
+        blocks(&mut spoilt);
+        match same {
+            Some(true) => {}
+            Some(false) if to - from == 1 => found.push(from),
+            None if to - from == 1 => {}
+            _ => {
+                let middle = usize::midpoint(from, to);
+                ranges.extend([(from, middle), (middle, to)]);
+            }
+        }
+    }
+    found.sort_unstable();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spoilt_block_has_no_byte_left_and_the_same_checksum() {
+        let checksum = |bytes: &[u8]| {
+            let mut sum = u32::MAX;
+            for byte in bytes {
+                sum ^= u32::from(*byte);
+                for _ in 0..8 {
+                    sum = if sum & 1 == 1 { sum >> 1 ^ 0xedb8_8320 } else { sum >> 1 };
+                }
+            }
+            !sum
+        };
+        for length in [5, 17, BLOCK] {
+            let block: Vec<u8> = (0..length).map(|i| (37 * i + 5) as u8).collect();
+            let mut after = block.clone();
+            spoil(&mut after);
+            assert_eq!(checksum(&after), checksum(&block));
+            assert!(after.iter().zip(&block).all(|(a, b)| a != b), "{length}");
+            spoil(&mut after);
+            assert_eq!(after, block);
+        }
+    }
+}
