@@ -1,9 +1,9 @@
 //! `capsule-rom study scenes`: what each kind of answer costs, counted and timed.
 
 use crate::{model, print};
-use anyhow::Result;
-use capsule_study::scenes::{Cost, Limits, scenes};
-use capsule_study::task::questions;
+use anyhow::{Context, Result};
+use capsule_study::scenes::{Cost, Limits, once, scenes};
+use capsule_study::task::{questions, tasks};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -20,6 +20,9 @@ pub struct Options {
     /// Do not find out which bytes of the model an answer depends on, which takes a minute
     #[arg(long)]
     no_bytes: bool,
+    /// Ask this task once and print nothing, for programs that count instructions
+    #[arg(long, value_name = "TASK", conflicts_with_all = ["queries", "no_bytes", "json"])]
+    once: Option<String>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -35,17 +38,25 @@ pub fn run(options: &Options) -> Result<()> {
     let path = options.model.as_deref();
     let bytes = model::read(path)?;
     let model = model::open(&bytes, path)?;
+    if let Some(name) = &options.once {
+        let task = tasks(&model).find(|task| task.name == name);
+        return Ok(once(
+            &model,
+            &task.with_context(|| format!("no task {name}"))?,
+            &questions(&model, 1)?,
+        )?);
+    }
     let limits = Limits::measure(bytes.len());
-    let tasks = scenes(&bytes, &questions(&model, options.queries)?, &limits, !options.no_bytes)?;
+    let costs = scenes(&bytes, &questions(&model, options.queries)?, &limits, !options.no_bytes)?;
     if options.json {
-        return print::json(&Report { limits, tasks });
+        return print::json(&Report { limits, tasks: costs });
     }
     println!(
         "one core does at most {:.0} operations a nanosecond ({:.0} with the instructions that the core is compiled for) and \
          reads {:.0} bytes of the model",
         limits.operations_per_ns, limits.portable_operations_per_ns, limits.bytes_per_ns
     );
-    let rows: Vec<Vec<String>> = tasks
+    let rows: Vec<Vec<String>> = costs
         .iter()
         .map(|cost| {
             vec![

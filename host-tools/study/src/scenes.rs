@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::StudyError;
 use crate::speed::{Timing, time};
-use crate::task::{Asker, Question, tasks};
+use crate::task::{Asker, Question, Task, tasks};
 use crate::touched::{BLOCK, touched};
 
 /// What this machine can do at most, on one core.
@@ -94,4 +94,17 @@ pub fn scenes(file: &[u8], questions: &[Question], limits: &Limits, with_bytes: 
         });
     }
     Ok(costs)
+}
+
+/// Asks one task, once for each question, for programs that count instructions.
+///
+/// # Errors
+/// A question that the model refuses.
+pub fn once(model: &Model<'_>, task: &Task, questions: &[Question]) -> Result<(), StudyError> {
+    let mut asker = Asker::<f32>::new(model, Method::Direct)?;
+    for question in questions {
+        asker.before(model, task, question)?;
+        asker.answer(model, task, question)?;
+    }
+    Ok(())
 }

@@ -138,9 +138,9 @@ pub fn questions(model: &Model<'_>, count: usize) -> Result<Vec<Question>, Study
     }
 }
 
-/// A workspace and room for answers.
-#[derive(Clone)]
-pub(crate) struct Asker<T: Real> {
+/// Asks: a workspace, and room for answers.
+#[derive(Clone, Debug)]
+pub struct Asker<T: Real> {
     method: Method,
     workspace: Box<Workspace<T>>,
     stencils: Vec<Stencil<T>>,
@@ -154,7 +154,11 @@ pub(crate) struct Asker<T: Real> {
 }
 
 impl<T: Real> Asker<T> {
-    pub(crate) fn new(model: &Model<'_>, method: Method) -> Result<Self, EvaluateError> {
+    /// With an empty workspace.
+    ///
+    /// # Errors
+    /// A model that does not fit the workspace.
+    pub fn new(model: &Model<'_>, method: Method) -> Result<Self, EvaluateError> {
         let mesh = model.mesh();
         let sphere = matches!(model.contents().mesh.reference, Reference::Sphere);
         let sector = if sphere { mesh.sector_nodes().len() } else { 0 };
@@ -188,7 +192,10 @@ impl<T: Real> Asker<T> {
     }
 
     /// What comes before a task and does not belong to it.
-    pub(crate) fn before(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
+    ///
+    /// # Errors
+    /// A question that the model refuses.
+    pub fn before(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
         if task.new {
             self.workspace.forget();
             return Ok(());
@@ -205,8 +212,12 @@ impl<T: Real> Asker<T> {
         Ok(())
     }
 
-    /// The task.
-    pub(crate) fn answer(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
+    /// The task. Not inlined, so that `cargo xtask scenes` can count its instructions by its name.
+    ///
+    /// # Errors
+    /// A question that the model refuses.
+    #[inline(never)]
+    pub fn answer(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
         let query = self.query(question);
         let all = Scene {
             nodes: Nodes::All,

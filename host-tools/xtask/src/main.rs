@@ -8,6 +8,7 @@ mod fuzz;
 mod header;
 mod miri;
 mod package;
+mod scenes;
 mod setup;
 mod test;
 mod wasm;
@@ -43,6 +44,8 @@ enum Task {
     Fuzz(fuzz::Options),
     /// Run tests of the core and of its C interface in Miri, which finds undefined behaviour
     Miri,
+    /// Print what scenes cost: instructions, operations, bytes, time
+    Scenes,
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,
     /// Build an archive of the C interface for this machine and for Cortex-M into target/package
@@ -73,6 +76,7 @@ fn main() -> ExitCode {
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),
         Task::Miri => miri::miri(),
+        Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),
         Task::Package => package::package(),
         Task::Wasm => wasm::build(),
