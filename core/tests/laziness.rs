@@ -1,10 +1,10 @@
-//! What is not asked for is not computed: counted by the stored numbers that are read and the
-//! products that are formed, with a number that counts.
+//! What is not asked for is not computed: counted by the stored numbers that are read and the operations,
+//! with a number that counts.
 
 mod common;
 
 use capsule_core::mechanics::{Deformation, Stencil};
-use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace};
+use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace, section};
 use capsule_gauge::{Counted, count};
 use common::{FUNCTIONS, Family, SHAPE_MODES};
 
@@ -14,6 +14,11 @@ const CONSTANTS: usize = 3;
 /// Stored numbers that a piece of work reads, and constants.
 fn reads<R>(work: impl FnOnce() -> R) -> usize {
     count(work).1.reads
+}
+
+/// Floating-point operations of a piece of work.
+fn operations<R>(work: impl FnOnce() -> R) -> usize {
+    count(work).1.operations()
 }
 
 /// Reads of one node: its row of every mode, and its reference position.
@@ -109,4 +114,90 @@ fn stepping_goes_on_from_where_it_is() {
     // One more step reads the few snapshots of its window, not all.
     let next = centroid(3.02);
     assert!(next < learning / 3, "{next} of {learning}");
+}
+
+#[test]
+fn a_scene_computes_for_itself_alone() {
+    let family = Family::new(4);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<Counted>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let query = Query::new([Counted(0.05), Counted(0.95)], Method::Direct);
+    evaluator.prepare(&query).unwrap();
+    assert_eq!(
+        operations(|| evaluator.prepare(&query).unwrap()),
+        0,
+        "the same query again"
+    );
+    let mut nodes = vec![[Counted::ZERO; 3]; family.nodes()];
+    let mut points = vec![[Counted::ZERO; 2]; family.nodes()];
+    fn scene(nodes: Nodes<'_>) -> Scene<'_> {
+        let frame = Frame::Laboratory;
+        Scene { nodes, frame }
+    }
+
+    // The place alone: four controls of every coefficient, and no node.
+    let mut instant = evaluator.at(Counted(1.23)).unwrap();
+    // Products and sums of the functions, and the sum over lanes.
+    let control = (SHAPE_MODES + 1) * (2 * FUNCTIONS + 9);
+    let splines = 300;
+    let place = operations(|| instant.centroid());
+    assert!(place < 4 * control + splines, "{place}");
+    // The velocity of the place: one coefficient; of all nodes: the same controls.
+    let rate = operations(|| instant.centroid_velocity());
+    assert!(rate < splines, "{rate}");
+    let mut velocity = |list: &[u16]| operations(|| instant.velocities(&scene(Nodes::List(list)), &mut nodes).unwrap());
+    let (first, one) = (velocity(&[5]), velocity(&[5]));
+    assert!(first < one + 8 * (SHAPE_MODES + 1) + splines, "{first} {one}");
+
+    // Each node for itself.
+    let mut position = |list: &[u16]| operations(|| instant.positions(&scene(Nodes::List(list)), &mut nodes).unwrap());
+    let (one, three) = (position(&[5]), position(&[5, 9, 2]));
+    assert!(one < 3 * (2 * SHAPE_MODES + 20), "{one}");
+    // But for the scale of the translation, which all nodes share.
+    assert!(three <= 3 * one && 3 * one <= three + 2 * 4, "{one} {three}");
+    let outline = operations(|| instant.outline(MIDPLANE, Frame::Laboratory, &mut points).unwrap());
+    assert!(outline <= family.sphere.midplane.len() * (one + 4), "{outline}");
+    let surface = operations(|| instant.positions(&scene(Nodes::All), &mut nodes).unwrap());
+    assert!(
+        surface <= family.sphere.sector_nodes.len() * one + family.nodes() * 3,
+        "{surface}"
+    );
+
+    // A section: where the plane cuts, and no other element.
+    let mut segments = vec![[[Counted::ZERO; 2]; 2]; 4 * family.sphere.elements.len()];
+    let x = nodes[0][0] - Counted(0.3);
+    let mut count = 0;
+    let cut = operations(|| count = section(&model.mesh(), &nodes, x, &mut segments).unwrap());
+    assert!(0 < count && cut <= count * 2 * 10, "{cut} for {count}");
+
+    // Mechanics: node by node, and only what is asked for.
+    let mut sector = vec![[Counted::ZERO; 3]; family.sphere.sector_nodes.len()];
+    let membrane = instant.membrane(&mut sector).unwrap();
+    let stencils = [5, 9].map(|node| Stencil::at(&model.mesh(), node).unwrap());
+    let mut deformations = [Deformation::ZERO; 2];
+    for (stencil, deformation) in stencils.iter().zip(&mut deformations) {
+        let found = operations(|| *deformation = membrane.deformation(stencil).unwrap());
+        assert!(found < 1_000, "{found}");
+    }
+    let [deformation, _] = deformations;
+    let (stretches, tensions) = (
+        operations(|| deformation.stretches()),
+        operations(|| deformation.tensions()),
+    );
+    assert!(stretches < 200 && tensions < stretches + 20, "{stretches} {tensions}");
+
+    // The next frame: the same controls, and the nodes.
+    let mut instant = evaluator.at(Counted(1.24)).unwrap();
+    let next = operations(|| instant.positions(&scene(Nodes::All), &mut nodes).unwrap());
+    assert!(next < surface + 8 * (SHAPE_MODES + 1) + splines, "{next}");
+    // The expected error needs no coefficient.
+    let mut instant = evaluator.at(Counted(2.9)).unwrap();
+    let error = operations(|| instant.expected_error());
+    assert!(error < 40 * 32, "{error}");
+    assert!(
+        operations(|| instant.centroid()) > 0,
+        "nothing of it was computed for the error"
+    );
 }
