@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::fmt;
 use std::iter::Sum;
-use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use capsule_core::Real;
 use serde::Serialize;
@@ -79,14 +79,7 @@ operators! {
     Add, add, AddAssign, add_assign, additions;
     Sub, sub, SubAssign, sub_assign, additions;
     Mul, mul, MulAssign, mul_assign, multiplications;
-}
-
-impl Div for Counted {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        note(|counts| counts.others += 1);
-        Self(self.0 / other.0)
-    }
+    Div, div, DivAssign, div_assign, others;
 }
 
 impl Neg for Counted {
