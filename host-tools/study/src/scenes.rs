@@ -7,7 +7,10 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::speed::{Timing, time};
 use crate::task::{Asker, Question, Task, tasks};
-use crate::touched::{BLOCK, touched};
+use crate::touched::touched;
+
+/// Bytes of the model that are told apart: a few cache lines.
+const BLOCK: usize = 256;
 
 /// What this machine can do at most, on one core.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -79,7 +82,7 @@ pub fn scenes(file: &[u8], questions: &[Question], limits: &Limits, with_bytes: 
         };
         let operations = median(|counts| counts.operations());
         let model_bytes = with_bytes
-            .then(|| touched(file, &task, first))
+            .then(|| touched(file, BLOCK, &task, first))
             .transpose()?
             .map(|blocks| BLOCK * blocks.len());
         let of_operations = operations as f64 / limits.operations_per_ns;

@@ -27,6 +27,8 @@ pub enum What {
     Section,
     /// Positions of all nodes.
     Surface,
+    /// The same at [`INSTANTS`], evenly over the whole time, together.
+    Trajectory,
     /// Velocities of all nodes.
     Velocities,
     /// Principal tensions at the nodes from which the others follow by symmetry.
@@ -41,8 +43,6 @@ pub enum When {
     Once,
     /// 0.02 time units after one that was looked at before.
     Next,
-    /// [`INSTANTS`], evenly over the whole time.
-    Throughout,
     /// The last, when the capsule has become steady.
     End,
 }
@@ -70,7 +70,7 @@ pub const QUERIES: [Task; 6] = [
     task("new_observables", true, When::Once, What::Observables),
     task("outline", true, When::Once, What::Outline),
     task("surface", true, When::Once, What::Surface),
-    task("trajectory", true, When::Throughout, What::Surface),
+    task("trajectory", true, When::Once, What::Trajectory),
     task("steady_state", true, When::End, What::Outline),
 ];
 
@@ -144,6 +144,8 @@ pub struct Asker<T: Real> {
     method: Method,
     workspace: Box<Workspace<T>>,
     stencils: Vec<Stencil<T>>,
+    /// The instants of a trajectory.
+    times: Vec<T>,
     nodes: Vec<[T; 3]>,
     outline: Vec<[T; 2]>,
     section: Vec<Segment<T>>,
@@ -162,6 +164,8 @@ impl<T: Real> Asker<T> {
         let mesh = model.mesh();
         let sphere = matches!(model.contents().mesh.reference, Reference::Sphere);
         let sector = if sphere { mesh.sector_nodes().len() } else { 0 };
+        let end = f64::from(model.end_time());
+        let times = (1..=INSTANTS).map(|i| T::from_f64(end * i as f64 / INSTANTS as f64));
         let stencils = mesh.sector_nodes().iter().take(sector);
         Ok(Self {
             method,
@@ -169,6 +173,7 @@ impl<T: Real> Asker<T> {
             stencils: stencils
                 .map(|node| Stencil::at(&mesh, node))
                 .collect::<Result<_, _>>()?,
+            times: times.collect(),
             nodes: vec![[T::ZERO; 3]; mesh.nodes()],
             outline: vec![[T::ZERO; 2]; model.node_set(MIDPLANE).map_or(0, |set| set.len())],
             section: vec![[[T::ZERO; 2]; 2]; 4 * mesh.elements().count()],
@@ -196,6 +201,9 @@ impl<T: Real> Asker<T> {
     /// # Errors
     /// A question that the model refuses.
     pub fn before(&mut self, model: &Model<'_>, task: &Task, question: &Question) -> Result<(), EvaluateError> {
+        if task.what == What::Trajectory {
+            self.nodes.resize(self.times.len() * model.mesh().nodes(), [T::ZERO; 3]);
+        }
         if task.new {
             self.workspace.forget();
             return Ok(());
@@ -227,17 +235,17 @@ impl<T: Real> Asker<T> {
         if task.new {
             evaluator.prepare(&query)?;
         }
-        let end = f64::from(model.end_time());
-        let (first, last, step) = match task.when {
-            When::Once => (question.t, 1, 0.0),
-            When::Next => (question.t + FRAME, 1, 0.0),
-            When::End => (end, 1, 0.0),
-            When::Throughout => (end / INSTANTS as f64, INSTANTS, end / INSTANTS as f64),
+        let t = match task.when {
+            When::Once => question.t,
+            When::Next => question.t + FRAME,
+            When::End => model.end_time().into(),
         };
-        for i in 0..last {
-            let mut instant = evaluator.at(T::from_f64(first + step * i as f64))?;
+        if task.what == What::Trajectory {
+            self.count = self.times.len() * evaluator.positions(&self.times, &all, &mut self.nodes)?;
+        } else {
+            let mut instant = evaluator.at(T::from_f64(t))?;
             match task.what {
-                What::Nothing => {}
+                What::Nothing | What::Trajectory => {}
                 What::Observables => self.observables = Some(instant.observables()?),
                 What::Outline => self.count = instant.outline(MIDPLANE, Frame::Centroid, &mut self.outline)?,
                 What::Surface => self.count = instant.positions(&all, &mut self.nodes)?,
@@ -255,14 +263,14 @@ impl<T: Real> Asker<T> {
                     self.count = self.tensions.len();
                 }
             }
-            black_box((
-                &self.nodes,
-                &self.outline,
-                &self.section,
-                &self.tensions,
-                &self.observables,
-            ));
         }
+        black_box((
+            &self.nodes,
+            &self.outline,
+            &self.section,
+            &self.tensions,
+            &self.observables,
+        ));
         Ok(())
     }
 
@@ -282,7 +290,9 @@ impl<T: Real> Asker<T> {
             })),
             What::Outline => Box::new(self.outline.iter().take(self.count).flatten().copied()),
             What::Section => Box::new(self.section.iter().take(self.count).flatten().flatten().copied()),
-            What::Surface | What::Velocities => Box::new(self.nodes.iter().take(self.count).flatten().copied()),
+            What::Surface | What::Trajectory | What::Velocities => {
+                Box::new(self.nodes.iter().take(self.count).flatten().copied())
+            }
             What::Tensions => Box::new(self.tensions.iter().take(self.count).flatten().copied()),
         };
         numbers.map(T::to_f64).collect()

@@ -5,8 +5,8 @@ use capsule_core::{EvaluateError, Method, Model};
 use crate::StudyError;
 use crate::task::{Asker, Question, Task, What};
 
-/// Bytes of a block, the least that is told apart: a few cache lines.
-pub const BLOCK: usize = 256;
+/// Bytes of the header, which has no numbers.
+const HEADER: usize = 16;
 
 /// Spoils every byte of a block and leaves the CRC-32 of the whole as it is, so that the file still opens and prepared
 /// parameters still belong to it: the generator polynomial (x^32 + ... + 1, 33 bits, the lowest of a byte first), added
@@ -23,13 +23,13 @@ fn spoil(block: &mut [u8]) {
 /// An answer's bits, or why there is none.
 type Answer = Result<Vec<u64>, EvaluateError>;
 
-/// The blocks of a file on which the answer to a task depends; what was prepared before was prepared with the whole file.
-/// Blocks whose spoiling makes the file invalid (dimensions, indices, instants) are not among them: opening reads them, and
-/// a few hundred bytes of them every answer.
+/// The blocks of so many bytes, at least 5, of a file on which the answer to a task depends; what was prepared before was prepared with the whole file.
+/// Blocks whose spoiling makes the file invalid (dimensions, indices, instants, singles, which become too large) are not among
+/// them.
 ///
 /// # Errors
 /// A file that cannot be opened.
-pub fn touched(file: &[u8], task: &Task, question: &Question) -> Result<Vec<usize>, StudyError> {
+pub fn touched(file: &[u8], block: usize, task: &Task, question: &Question) -> Result<Vec<usize>, StudyError> {
     let whole = Model::open(file)?;
     let mut ready = Asker::<f32>::new(&whole, Method::Direct)?;
     ready.before(&whole, task, question)?;
@@ -55,11 +55,10 @@ pub fn touched(file: &[u8], task: &Task, question: &Question) -> Result<Vec<usiz
     let expected = ask(&whole);
     let mut spoilt = file.to_vec();
     let mut found = Vec::new();
-    // The header has no numbers.
-    let mut ranges = vec![(1, file.len().div_ceil(BLOCK))];
+    let mut ranges = vec![(HEADER.div_ceil(block), file.len().div_ceil(block))];
     while let Some((from, to)) = ranges.pop() {
         let blocks = |file: &mut [u8]| {
-            file.chunks_mut(BLOCK).take(to).skip(from).for_each(spoil);
+            file.chunks_mut(block).take(to).skip(from).for_each(spoil);
         };
         blocks(&mut spoilt);
         // None: the file is invalid.
@@ -95,7 +94,7 @@ mod tests {
             }
             !sum
         };
-        for length in [5, 17, BLOCK] {
+        for length in [5, 17, 256] {
             let block: Vec<u8> = (0..length).map(|i| (37 * i + 5) as u8).collect();
             let mut after = block.clone();
             spoil(&mut after);

@@ -103,18 +103,19 @@ fn times_are_positive_and_ordered() {
 
 #[test]
 fn an_answer_depends_on_what_it_shows_alone() {
+    const BLOCK: usize = 16;
     let directory = tempfile::tempdir().unwrap();
     let database = grid::database(directory.path());
     let settings = Settings {
         error_times: vec![1.0],
-        ..settings()
+        ..Settings::default()
     };
     let (bytes, _) = build(&database, &settings, &quiet).unwrap();
     let model = Model::open(&bytes).unwrap();
     let question = task::questions(&model, 1).unwrap()[0];
     let touched = |name: &str| {
         let task = task::tasks(&model).find(|task| task.name == name).unwrap();
-        touched::touched(&bytes, &task, &question).unwrap()
+        touched::touched(&bytes, BLOCK, &task, &question).unwrap()
     };
     let (outline, surface, next) = (
         touched("scene_outline"),
@@ -128,5 +129,5 @@ fn an_answer_depends_on_what_it_shows_alone() {
     let new = touched("surface");
     assert!(within(&surface, &new) && within(&touched("prepare"), &new));
     // Nothing that belongs to the other instants or to the velocities' nodes.
-    assert!(next.len() <= surface.len() && new.len() * touched::BLOCK < bytes.len() / 2);
+    assert!(next.len() <= surface.len() && new.len() * BLOCK < bytes.len() / 2);
 }
