@@ -22,45 +22,65 @@ pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
-/// Dot product of stored entries with a vector of the same length.
+/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8 and the lanes are added in
+/// pairs: wide enough to vectorise, and the same sum whatever the target's vectors are, and however many zeros follow.
+#[inline(always)]
 pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
-    let [dot] = dots_by(a, [x], value);
-    dot
+    let mut lanes = [T::ZERO; LANES];
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    for (a, x) in a_chunks.iter().zip(x_chunks) {
+        lanes = add_products(lanes, values(a, &value), *x);
+    }
+    if !a_rest.is_empty() {
+        lanes = add_products(lanes, padded(a_rest, &value), padded(x_rest, &|x| x));
+    }
+    sum(lanes)
 }
 
-/// Dot products of stored entries with some vectors of the same length. Entry i goes to lane i mod 8 and the lanes
-/// are added in pairs: wide enough to vectorise, and the same sum whatever the target's vectors are, however many
-/// zeros follow, and however many products are taken at once.
+/// As [`dot_by`], with some vectors in one pass over the entries.
 #[inline(always)]
 pub(crate) fn dots_by<E: Copy, T: Real, const B: usize>(a: &[E], x: [&[T]; B], value: impl Fn(E) -> T) -> [T; B] {
+    if B == 1 {
+        return x.map(|x| dot_by(a, x, &value));
+    }
     let mut lanes = [[T::ZERO; LANES]; B];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (x_chunks, x_rest) = (x.map(|x| x.as_chunks::<LANES>().0), x.map(|x| x.as_chunks::<LANES>().1));
     for (i, a) in a_chunks.iter().enumerate() {
-        let [a0, a1, a2, a3, a4, a5, a6, a7] = *a;
-        let values = [
-            value(a0),
-            value(a1),
-            value(a2),
-            value(a3),
-            value(a4),
-            value(a5),
-            value(a6),
-            value(a7),
-        ];
+        let values = values(a, &value);
         for (lanes, x) in lanes.iter_mut().zip(&x_chunks) {
             let Some(x) = x.get(i) else { continue };
             *lanes = add_products(*lanes, values, *x);
         }
     }
     if !a_rest.is_empty() {
-        let values = core::array::from_fn(|i| a_rest.get(i).map_or(T::ZERO, |a| value(*a)));
+        let values = padded(a_rest, &value);
         for (lanes, x) in lanes.iter_mut().zip(x_rest) {
-            let x = core::array::from_fn(|i| x.get(i).copied().unwrap_or(T::ZERO));
-            *lanes = add_products(*lanes, values, x);
+            *lanes = add_products(*lanes, values, padded(x, &|x| x));
         }
     }
     lanes.map(sum)
+}
+
+/// The values of eight entries.
+#[inline(always)]
+fn values<E: Copy, T: Real>([a, b, c, d, e, f, g, h]: &[E; LANES], value: &impl Fn(E) -> T) -> [T; LANES] {
+    [
+        value(*a),
+        value(*b),
+        value(*c),
+        value(*d),
+        value(*e),
+        value(*f),
+        value(*g),
+        value(*h),
+    ]
+}
+
+/// The values of fewer than eight entries, and zeros.
+fn padded<E: Copy, T: Real>(entries: &[E], value: &impl Fn(E) -> T) -> [T; LANES] {
+    core::array::from_fn(|i| entries.get(i).map_or(T::ZERO, |entry| value(*entry)))
 }
 
 /// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in
