@@ -69,17 +69,18 @@ fn neighbours<T: Real>(model: &Model, method: Method, bound: f64, pairs: usize) 
         });
         // The solution itself jumps at the border.
         let parted = border.below(query) != border.below(beside);
-        let shown = || format!("Ca = {:.5}, a/l = {:.4}, t = {t:.2}: {jump:?} a", query[0], query[1]);
+        let place = || format!("Ca = {:.5}, a/l = {:.4}, t = {t:.2}", query[0], query[1]);
         if let Ok(jump) = jump
             && !parted
             && jump > greatest.0
         {
             greatest = (
                 jump,
-                format!("the greatest difference is {:.4} % of a at {}", 100.0 * jump, shown()),
+                format!("the greatest difference is {:.4} % of a at {}", 100.0 * jump, place()),
             );
         }
-        check.count(jump.is_ok(), matches!(jump, Ok(jump) if parted || jump < bound), shown);
+        let right = matches!(jump, Ok(jump) if parted || jump < bound);
+        check.count(jump.is_ok(), right, || format!("{}: {jump:?} a", place()));
     }
     check.worst = greatest.1;
     Ok(check)
