@@ -16,10 +16,26 @@ use core::ffi::{c_char, c_void};
 
 /// cbindgen:ignore
 type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
+
+/// What a call does. The vtable of a closure would hold its body twice, for [`FnMut`] and for [`FnOnce`].
+trait Work<A, B> {
+    fn run(&mut self, with: A) -> Result<B, Error>;
+}
+
+impl<A, B, F: FnMut(A) -> Result<B, Error>> Work<A, B> for F {
+    fn run(&mut self, with: A) -> Result<B, Error> {
+        self(with)
+    }
+}
+
+/// What a call asks of an instant.
+///
+/// cbindgen:ignore
+type Ask<'f> = dyn for<'a, 'e> Work<&'a mut Instant<'e>, ()> + 'f;
 /// Writes numbers of an instant and returns how many.
 ///
 /// cbindgen:ignore
-type Fill<'f> = dyn Fn(&mut Instant<'_>, &mut [f32]) -> Result<usize, Error> + 'f;
+type Fill<'f> = dyn for<'a, 'e, 'o> Work<(&'a mut Instant<'e>, &'o mut [f32]), usize> + 'f;
 
 /// What the status means, in a sentence that ends with a zero.
 #[unsafe(no_mangle)]
@@ -41,7 +57,7 @@ pub unsafe extern "C" fn capsule_v1_open(
     error: *mut Error,
 ) -> Status {
     let (model, file) = (Buffer::new(model, 1), Buffer::new(file.cast::<u8>(), length));
-    let mut work = || {
+    let mut work = |()| {
         holds::<Model>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe {
@@ -66,7 +82,7 @@ pub unsafe extern "C" fn capsule_v1_describe(
     error: *mut Error,
 ) -> Status {
     let (model, out) = (Buffer::new(model, 1), Buffer::new(description, 1));
-    let mut work = || {
+    let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (model.content()?, out.place()) };
         let points = |outline| model.node_set(outline).map_or(0, |nodes| nodes.len());
@@ -101,7 +117,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     error: *mut Error,
 ) -> Status {
     let (model, out) = (Buffer::new(model, 1), Buffer::new(parameter, 1));
-    let mut work = || {
+    let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (model.content()?, out.place()) };
         let parameters = &model.contents().metadata.parameters;
@@ -127,7 +143,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: usize, error: *mut Error) -> Status {
     let workspace = Buffer::new(workspace, 1);
-    let mut work = || {
+    let mut work = |()| {
         holds::<Workspace>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe { workspace.empty() };
@@ -163,7 +179,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     // SAFETY: the caller keeps what the module says.
     let query = unsafe { query.start().read() };
     let parameters = Buffer::new(query.parameters, query.parameter_count);
-    let mut work = || {
+    let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, workspace, parameters) =
             unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
@@ -272,7 +288,7 @@ pub unsafe extern "C" fn capsule_v1_expected_error_at(
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
     unsafe {
-        one(model, workspace, t, expected_error, error, |instant| {
+        number(model, workspace, t, expected_error, error, |instant| {
             Ok(instant.expected_error())
         })
     }
@@ -292,7 +308,7 @@ pub unsafe extern "C" fn capsule_v1_error_bound_at(
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
     unsafe {
-        one(model, workspace, t, error_bound, error, |instant| {
+        number(model, workspace, t, error_bound, error, |instant| {
             Ok(instant.error_bound())
         })
     }
@@ -311,7 +327,7 @@ pub unsafe extern "C" fn capsule_v1_centroid_at(
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
-    unsafe { one(model, workspace, t, centroid, error, |instant| Ok(instant.centroid())) }
+    unsafe { number(model, workspace, t, centroid, error, |instant| Ok(instant.centroid())) }
 }
 
 /// Enclosed volume at the instant `t`, in l^3.
@@ -327,7 +343,7 @@ pub unsafe extern "C" fn capsule_v1_volume_at(
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
-    unsafe { one(model, workspace, t, volume, error, |instant| instant.volume()) }
+    unsafe { number(model, workspace, t, volume, error, |instant| instant.volume()) }
 }
 
 /// An outline (a `capsule_outline`) at the instant `t` in a frame (a `capsule_frame`): points x, r, x, r, ... in l, from
@@ -347,7 +363,7 @@ pub unsafe extern "C" fn capsule_v1_outline_at(
     count: *mut usize,
     error: *mut Error,
 ) -> Status {
-    let ask = |instant: &mut Instant<'_>, out: &mut [f32]| {
+    let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {
         let name = match outline {
             0 => rom::MIDPLANE,
             1 => rom::DIAGONAL,
@@ -357,7 +373,19 @@ pub unsafe extern "C" fn capsule_v1_outline_at(
         Ok(2 * in_numbers(written, 2)?)
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { many(model, workspace, t, Bytes::NONE, points, capacity, count, error, &ask) }
+    unsafe {
+        many(
+            model,
+            workspace,
+            t,
+            Bytes::NONE,
+            points,
+            capacity,
+            count,
+            error,
+            &mut ask,
+        )
+    }
 }
 
 /// Positions of nodes at the instant `t` in a frame (a `capsule_frame`): x, y, z, x, y, z, ... in l. `nodes` lists
@@ -467,12 +495,12 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
 /// Runs the work of a call on its buffers and writes its error where the caller wants it. Where a pointer is at fault
 /// nothing is written: `error` may be what overlaps.
 #[inline(never)]
-unsafe fn call(error: *mut Error, buffers: &[Bytes], work: &mut dyn FnMut() -> Result<(), Error>) -> Status {
+unsafe fn call(error: *mut Error, buffers: &[Bytes], work: &mut dyn Work<(), ()>) -> Status {
     let error = Buffer::new(error, 1);
     if let Err(status) = check(buffers, error.optional_bytes()) {
         return status;
     }
-    let failure = work().err().unwrap_or(Error::NONE);
+    let failure = work.run(()).err().unwrap_or(Error::NONE);
     if !error.is_null() {
         // SAFETY: the caller keeps what the module says, and no other buffer is there.
         unsafe { error.place() }.write(failure);
@@ -517,15 +545,10 @@ fn in_numbers<A>(result: Result<A, rom::EvaluateError>, numbers: usize) -> Resul
 }
 
 /// Asks something at an instant of the prepared query.
-unsafe fn at(
-    model: Buffer<Model>,
-    workspace: Buffer<Workspace>,
-    t: f32,
-    ask: &mut dyn FnMut(&mut Instant<'_>) -> Result<(), Error>,
-) -> Result<(), Error> {
+unsafe fn at(model: Buffer<Model>, workspace: Buffer<Workspace>, t: f32, ask: &mut Ask<'_>) -> Result<(), Error> {
     // SAFETY: the caller keeps what the module says.
     let (model, workspace) = unsafe { (model.content()?, workspace.content_mut()?) };
-    ask(&mut Evaluator::new(model, workspace)?.at(t)?)
+    ask.run(&mut Evaluator::new(model, workspace)?.at(t)?)
 }
 
 /// A call that asks something at an instant, with one or two buffers besides the model and the workspace.
@@ -535,12 +558,12 @@ unsafe fn call_at(
     t: f32,
     [first, second]: [Bytes; 2],
     error: *mut Error,
-    ask: &mut dyn FnMut(&mut Instant<'_>) -> Result<(), Error>,
+    ask: &mut Ask<'_>,
 ) -> Status {
     let (model, workspace) = (Buffer::new(model, 1), Buffer::new(workspace, 1));
     let buffers = [model.bytes(), workspace.bytes(), first, second];
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &buffers, &mut || at(model, workspace, t, ask)) }
+    unsafe { call(error, &buffers, &mut |()| at(model, workspace, t, ask)) }
 }
 
 /// A call that answers with one value.
@@ -563,6 +586,20 @@ unsafe fn one<A>(
     unsafe { call_at(model, workspace, t, [out.bytes(), Bytes::NONE], error, &mut ask) }
 }
 
+/// A call that answers with one number.
+#[inline(never)]
+unsafe fn number(
+    model: *const Model,
+    workspace: *mut Workspace,
+    t: f32,
+    out: *mut f32,
+    error: *mut Error,
+    ask: fn(&mut Instant<'_>) -> Result<f32, rom::EvaluateError>,
+) -> Status {
+    // SAFETY: the caller keeps what the module says.
+    unsafe { one(model, workspace, t, out, error, ask) }
+}
+
 /// A call that answers with many numbers.
 unsafe fn many(
     model: *const Model,
@@ -573,16 +610,16 @@ unsafe fn many(
     capacity: usize,
     count: *mut usize,
     error: *mut Error,
-    fill: &Fill<'_>,
+    fill: &mut Fill<'_>,
 ) -> Status {
     let (model, workspace) = (Buffer::new(model, 1), Buffer::new(workspace, 1));
     let (out, count) = (Buffer::new(out, capacity), Buffer::new(count, 1));
-    let mut work = || {
+    let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (out, count) = unsafe { (out.zeros(), count.place()) };
         let count = count.write(0);
         let mut ask = |instant: &mut Instant<'_>| {
-            *count = fill(instant, out)?;
+            *count = fill.run((instant, out))?;
             Ok(())
         };
         // SAFETY: the caller keeps what the module says.
@@ -608,7 +645,7 @@ unsafe fn scene(
     ask: impl Fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
 ) -> Status {
     let list = Buffer::new(nodes, node_count);
-    let ask = |instant: &mut Instant<'_>, out: &mut [f32]| {
+    let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {
         let nodes = if list.is_null() {
             Nodes::All
         } else {
@@ -620,5 +657,5 @@ unsafe fn scene(
     };
     let bytes = list.optional_bytes();
     // SAFETY: the caller keeps what the module says.
-    unsafe { many(model, workspace, t, bytes, out, capacity, count, error, &ask) }
+    unsafe { many(model, workspace, t, bytes, out, capacity, count, error, &mut ask) }
 }
