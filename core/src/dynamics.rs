@@ -20,8 +20,8 @@ const MOST_PARTS: usize = 64;
 /// What is to be done next.
 #[derive(Clone, Copy, Debug)]
 enum Stage<T> {
-    Displacement(Learning<T>),
-    Velocity(Learning<T>),
+    /// The basis of a field, the displacement's first.
+    Basis(Quantity, Learning<T>),
     Steps,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct Dynamics<T, const M: usize> {
 
 impl<T: Real, const M: usize> Dynamics<T, M> {
     pub(crate) const EMPTY: Self = Self {
-        stage: Stage::Displacement(Learning::START),
+        stage: Stage::Basis(Quantity::Displacement, Learning::START),
         displacement: Basis::EMPTY,
         velocity: Basis::EMPTY,
         q: [[T::ZERO; M]; M],
@@ -80,7 +80,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
 
     /// Forgets the query.
     pub(crate) fn forget(&mut self) {
-        self.stage = Stage::Displacement(Learning::START);
+        self.stage = Stage::Basis(Quantity::Displacement, Learning::START);
     }
 
     /// out <- displacement coefficients at `t`, by steps of `step` and a shorter last one.
@@ -135,23 +135,17 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
     ) -> bool {
         let (instants, rank) = (source.times.count(), source.rank());
         match self.stage {
-            Stage::Displacement(learning) => {
-                let wanted = source.settings.displacement_rank.into();
-                let fetch = |instant, out: &mut [T]| source.at_instant(instant, Quantity::Displacement, out);
-                self.stage = match self
-                    .displacement
-                    .learn(learning, rank, fetch, instants, wanted, scratch)
-                {
-                    Some(learning) => Stage::Displacement(learning),
-                    None => Stage::Velocity(Learning::START),
+            Stage::Basis(quantity, learning) => {
+                let (basis, wanted) = match quantity {
+                    Quantity::Displacement => (&mut self.displacement, source.settings.displacement_rank),
+                    Quantity::Velocity => (&mut self.velocity, source.settings.velocity_rank),
                 };
-            }
-            Stage::Velocity(learning) => {
-                let wanted = source.settings.velocity_rank.into();
-                let fetch = |instant, out: &mut [T]| source.at_instant(instant, Quantity::Velocity, out);
-                self.stage = match self.velocity.learn(learning, rank, fetch, instants, wanted, scratch) {
-                    Some(learning) => Stage::Velocity(learning),
-                    None => {
+                let fetch = |instant, out: &mut [T]| source.at_instant(instant, quantity, out);
+                let learning = basis.learn(learning, rank, fetch, instants, wanted.into(), scratch);
+                self.stage = match (learning, quantity) {
+                    (Some(learning), _) => Stage::Basis(quantity, learning),
+                    (None, Quantity::Displacement) => Stage::Basis(Quantity::Velocity, Learning::START),
+                    (None, Quantity::Velocity) => {
                         self.couple(source);
                         Stage::Steps
                     }

@@ -37,6 +37,7 @@ pub(crate) struct Extremes<T> {
 
 impl<T: Real> Extremes<T> {
     /// Reconstructs the nodes of the outlines, or all, one at a time.
+    #[inline(never)]
     pub(crate) fn new(model: &Model<'_>, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let (Some(midplane), Some(diagonal)) = (model.node_set(MIDPLANE), model.node_set(DIAGONAL)) else {
             return Self::of_all(snapshot);
@@ -53,6 +54,7 @@ impl<T: Real> Extremes<T> {
     }
 
     /// From all nodes of a mesh that has no outlines.
+    #[inline(never)]
     fn of_all(snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let mesh = &snapshot.mesh;
         let half = T::from_f32(0.5);
