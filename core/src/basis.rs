@@ -53,22 +53,22 @@ impl<T: Real, const M: usize> Basis<T, M> {
     };
 
     /// A piece of the work of finding a field's basis from its snapshots at all stored instants: one snapshot, one direction,
-    /// one row of their factor or one mode. Returns how far it has come, none at the end. `snapshot` gives the `rank`
-    /// coefficients at a stored instant. `factor` is room for the snapshots, left alone between the pieces. The local rank is
-    /// at most `wanted`, and less where the snapshots have no more.
+    /// one row of their factor or one mode. Returns none when nothing is left to do. `snapshot` gives the `rank` coefficients at a
+    /// stored instant. `factor` is room for the snapshots, left alone between the pieces. The local rank is at most `wanted`,
+    /// and less where the snapshots have no more.
     pub(crate) fn learn(
         &mut self,
-        learning: Learning<T>,
+        learning: &mut Learning<T>,
         rank: usize,
         mut snapshot: impl FnMut(usize, &mut [T]),
         instants: usize,
         wanted: usize,
         factor: &mut Factor<T>,
-    ) -> Option<Learning<T>> {
+    ) -> Option<()> {
         let columns = rank - 1;
         // More snapshots than there is room for go into a triangular factor at once.
         let count = if instants > PAPER_MODES { columns } else { instants };
-        Some(match learning {
+        *learning = match *learning {
             Learning::Snapshot(instant) => {
                 if instant == 0 {
                     *factor = [[T::ZERO; PAPER_MODES]; PAPER_MODES];
@@ -127,15 +127,17 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 let rotations = jacobi::Rotations::new(rows, rank, T::from_f32(NEGLIGIBLE / 4.0));
                 Learning::Rotations { rank, rotations }
             }
-            Learning::Rotations { rank, mut rotations } => {
+            Learning::Rotations {
+                rank,
+                ref mut rotations,
+            } => {
                 if rotations.advance(part_mut(factor, 0..rank), rank) {
-                    Learning::Rotations { rank, rotations }
-                } else {
-                    self.rows = [[T::ZERO; PAPER_MODES]; M];
-                    self.rows[0][0] = T::ONE;
-                    self.rank = 1;
-                    Learning::Mode { rank, floor: T::ZERO }
+                    return Some(());
                 }
+                self.rows = [[T::ZERO; PAPER_MODES]; M];
+                self.rows[0][0] = T::ONE;
+                self.rank = 1;
+                Learning::Mode { rank, floor: T::ZERO }
             }
             Learning::Mode { rank, floor } => {
                 let (rows, reflections) = factor.split_at_mut_checked(rank)?;
@@ -150,7 +152,8 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 let floor = floor.max(length * T::EPSILON * T::from_index(columns));
                 Learning::Mode { rank, floor }
             }
-        })
+        };
+        Some(())
     }
 
     /// The rows of W^T.
@@ -177,6 +180,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
 
 /// Sorts rows by the length of what these columns have, as far as it matters: the longest goes first, and those with a
 /// square of at most `floor`, whose rest becomes 0, go last. Returns how many are before these, and the greatest square.
+#[inline(never)]
 fn sort<T: Real>(rows: &mut [[T; PAPER_MODES]], columns: Range<usize>, floor: T) -> (usize, T) {
     let (mut open, mut longest, mut place) = (rows.len(), T::ZERO, 0);
     let mut i = 0;
@@ -209,6 +213,7 @@ fn swap<R>(rows: &mut [R], i: usize, j: usize) {
 
 /// Reflects rows so that the first has a single entry in these columns, and leaves the direction of the reflection, whose
 /// first component is 1, in its place.
+#[inline(never)]
 fn reflect<T: Real>(rows: &mut [[T; PAPER_MODES]], columns: Range<usize>) {
     let Some((first, others)) = rows.split_first_mut() else {
         return;
@@ -243,6 +248,7 @@ fn mirror<T: Real>(rest: &[T], factor: T, x: &mut [T]) {
 
 /// out <- the direction of the longest row, which is taken out of all rows: the rotations leave them orthogonal but for
 /// what is negligible. Returns the length.
+#[inline(never)]
 fn take_longest<T: Real>(rows: &mut [[T; PAPER_MODES]], out: &mut [T]) -> Option<T> {
     let mut longest = None;
     let mut greatest = T::ZERO;
@@ -320,9 +326,10 @@ mod tests {
     fn learned(instants: usize) -> Basis<f32, 10> {
         let (mut basis, mut factor) = (Basis::EMPTY, [[0.0; PAPER_MODES]; PAPER_MODES]);
         let mut learning = Learning::START;
-        while let Some(next) = basis.learn(learning, 40, motion, instants, 10, &mut factor) {
-            learning = next;
-        }
+        while basis
+            .learn(&mut learning, 40, motion, instants, 10, &mut factor)
+            .is_some()
+        {}
         basis
     }
 

@@ -134,22 +134,25 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         scratch: &mut Factor<T>,
     ) -> bool {
         let (instants, rank) = (source.times.count(), source.rank());
-        match self.stage {
+        match &mut self.stage {
             Stage::Basis(quantity, learning) => {
+                let quantity = *quantity;
                 let (basis, wanted) = match quantity {
                     Quantity::Displacement => (&mut self.displacement, source.settings.displacement_rank),
                     Quantity::Velocity => (&mut self.velocity, source.settings.velocity_rank),
                 };
                 let fetch = |instant, out: &mut [T]| source.at_instant(instant, quantity, out);
-                let learning = basis.learn(learning, rank, fetch, instants, wanted.into(), scratch);
-                self.stage = match (learning, quantity) {
-                    (Some(learning), _) => Stage::Basis(quantity, learning),
-                    (None, Quantity::Displacement) => Stage::Basis(Quantity::Velocity, Learning::START),
+                let more = basis.learn(learning, rank, fetch, instants, wanted.into(), scratch);
+                match (more, quantity) {
+                    (Some(()), _) => {}
+                    (None, Quantity::Displacement) => {
+                        self.stage = Stage::Basis(Quantity::Velocity, Learning::START);
+                    }
                     (None, Quantity::Velocity) => {
                         self.couple(source);
-                        Stage::Steps
+                        self.stage = Stage::Steps;
                     }
-                };
+                }
             }
             Stage::Steps => {
                 let target = (t / step.length).to_index();

@@ -246,11 +246,11 @@ pub enum EvaluateError {
         /// Its name.
         what: &'static str,
         /// Its value.
-        value: f64,
+        value: f32,
         /// Least value allowed.
-        min: f64,
+        min: f32,
         /// Greatest value allowed.
-        max: f64,
+        max: f32,
     },
     /// A query has not as many parameters as the model.
     ParameterCount {
@@ -261,49 +261,49 @@ pub enum EvaluateError {
     },
     /// A parameter that is not a number in the range that it can have at all.
     Parameter {
-        /// Its name.
-        name: Name,
+        /// Which.
+        what: &'static str,
         /// Its value.
-        value: f64,
+        value: f32,
         /// Least value allowed.
-        min: f64,
+        min: f32,
         /// Greatest value allowed.
-        max: f64,
+        max: f32,
     },
     /// A parameter lies outside its sampled range.
     OutsideDomain {
-        /// The parameter's name.
-        name: Name,
+        /// Which.
+        what: &'static str,
         /// Its value.
-        value: f64,
+        value: f32,
         /// Its sampled range.
-        range: [f64; 2],
+        range: [f32; 2],
     },
     /// The query lies farther from all samples than any sample from the others.
     FarFromSamples {
         /// How much farther, in units of the interpolation error's deviation.
-        ratio: f64,
+        ratio: f32,
     },
     /// The query lies so far from the samples that these are one point to it: nothing can be extrapolated.
     FarOutside {
         /// Distance from the centroid of the samples that take part, in their spread.
-        distance: f64,
+        distance: f32,
         /// The greatest that is answered.
-        limit: f64,
+        limit: f32,
     },
     /// No steady state exists at these parameters.
     BeyondSteadyLimit {
         /// Ca.
-        capillary_number: f64,
+        capillary_number: f32,
         /// a/l.
-        confinement: f64,
+        confinement: f32,
         /// The largest Ca at this a/l that has a steady state.
-        limit: f64,
+        limit: f32,
     },
     /// The weights of the samples do not sum to 1: the samples near the query are too close to each other.
     Weights {
         /// Their sum.
-        sum: f64,
+        sum: f32,
     },
     /// An instant was asked for before a query was prepared.
     NotPrepared,
@@ -344,20 +344,15 @@ impl Display for EvaluateError {
             } => {
                 write!(f, "the model has {required} {limit}, the workspace holds {capacity}")
             }
-            Self::Value { what, value, min, max } => {
-                let [value, min, max] = [value, min, max].map(short);
+            Self::Value { what, value, min, max } | Self::Parameter { what, value, min, max } => {
                 write!(f, "{what} is {value}, it must be in [{min}, {max}]")
             }
             Self::ParameterCount { expected, found } => {
                 write!(f, "the model has {expected} parameters, the query {found}")
             }
-            Self::Parameter { name, value, min, max } => {
-                let [value, min, max] = [value, min, max].map(short);
-                write!(f, "{name} is {value}, it must be in [{min}, {max}]")
-            }
-            Self::OutsideDomain { name, value, range } => {
-                let [value, min, max] = [value, range[0], range[1]].map(short);
-                write!(f, "{name} = {value} lies outside its sampled range [{min}, {max}]")
+            Self::OutsideDomain { what, value, range } => {
+                let [min, max] = range;
+                write!(f, "{what} = {value} lies outside its sampled range [{min}, {max}]")
             }
             Self::FarFromSamples { ratio } => write!(
                 f,
@@ -373,10 +368,7 @@ impl Display for EvaluateError {
                 limit,
             } => write!(
                 f,
-                "no steady state at Ca = {}, a/l = {}: the limit there is Ca = {}",
-                short(capillary_number),
-                short(confinement),
-                short(limit)
+                "no steady state at Ca = {capillary_number}, a/l = {confinement}: the limit there is Ca = {limit}"
             ),
             Self::Weights { sum } => write!(
                 f,
@@ -406,48 +398,3 @@ impl Display for EvaluateError {
 }
 
 impl Error for EvaluateError {}
-
-/// The name of a parameter, cut to what an error carries.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Name {
-    bytes: [u8; 32],
-    length: usize,
-}
-
-impl Name {
-    pub(crate) fn new(text: &str) -> Self {
-        let mut name = Self {
-            bytes: [0; 32],
-            length: text.floor_char_boundary(32),
-        };
-        for (place, byte) in name.bytes.iter_mut().zip(text.as_bytes()) {
-            *place = *byte;
-        }
-        name
-    }
-}
-
-impl Name {
-    /// The text.
-    pub fn as_str(&self) -> &str {
-        let text = self.bytes.get(..self.length).map(core::str::from_utf8);
-        text.and_then(core::result::Result::ok).unwrap_or_default()
-    }
-}
-
-impl Display for Name {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        f.write_str(self.as_str())
-    }
-}
-
-impl core::fmt::Debug for Name {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "\"{self}\"")
-    }
-}
-
-/// The digits that single precision has: a query in f32 shall not be told Ca = 0.09000000357627869.
-fn short(value: f64) -> f32 {
-    value as f32
-}

@@ -1,13 +1,13 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
 use crate::dynamics::{Dynamics, Source, Step};
-use crate::error::{EvaluateError, Name};
+use crate::error::EvaluateError;
 use crate::expected_error::{bound_factor, expected_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
 use crate::mechanics::Membrane;
-use crate::model::wire::{Cluster, Errors, Reference};
+use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
 use crate::model::{MatrixView, Model};
 use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
@@ -104,10 +104,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
 
     /// Checks a query's numbers and its place.
     fn judge(&self, query: &Query<T>) -> Result<Domain, EvaluateError> {
-        const LEAST: f64 = 1e-6;
-        const GREATEST: f64 = 1e6;
+        const LEAST: f32 = 1e-6;
+        const GREATEST: f32 = 1e6;
         const MOST_STEPS: f32 = 1e5;
-        let end_time = f64::from(self.model.end_time());
+        let end_time = self.model.end_time();
         let contents = self.model.contents();
         let ranges = &contents.metadata.parameters;
         let values = query.parameters.as_slice();
@@ -117,45 +117,64 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
                 found: values.len(),
             });
         }
-        let least = match contents.mesh.reference {
+        let min = match contents.mesh.reference {
             Reference::Sphere => LEAST,
             Reference::Shape { .. } => -GREATEST,
         };
-        for (value, range) in values.iter().zip(ranges) {
-            let value = value.to_f64();
-            if !(least <= value && value <= GREATEST) {
-                return Err(EvaluateError::Parameter {
-                    name: Name::new(range.name),
-                    value,
-                    min: least,
-                    max: GREATEST,
-                });
+        let max = GREATEST;
+        for (index, value) in values.iter().enumerate() {
+            if !lies_in(*value, min, max) {
+                let (what, value) = (self.parameter(index), value.to_f32());
+                return Err(EvaluateError::Parameter { what, value, min, max });
             }
         }
         if let Some(step) = query.step {
-            within("the step", step, (self.model.end_time() / MOST_STEPS).into(), end_time)?;
+            within("the step", step, end_time / MOST_STEPS, end_time)?;
         }
         let domain = self.model.domain(query.parameters);
         if query.extrapolate {
             return Ok(domain);
         }
-        let outside = self.model.outside(&query.parameters);
-        if let Some((range, value)) = outside.and_then(|index| Some((ranges.get(index)?, values.get(index)?))) {
+        if let Some(index) = self.model.outside(&query.parameters)
+            && let Some(range) = ranges.get(index)
+        {
             return Err(EvaluateError::OutsideDomain {
-                name: Name::new(range.name),
-                value: value.to_f64(),
-                range: [range.min, range.max],
+                what: self.parameter(index),
+                value: query.parameters.get(index).to_f32(),
+                range: [range.min as f32, range.max as f32],
             });
         }
         if domain == Domain::BeyondSteadyLimit {
             let [capillary_number, confinement] = query.parameters.array();
             return Err(EvaluateError::BeyondSteadyLimit {
-                capillary_number: capillary_number.to_f64(),
-                confinement: confinement.to_f64(),
-                limit: self.model.steady_limit(confinement).map_or(0.0, T::to_f64),
+                capillary_number: capillary_number.to_f32(),
+                confinement: confinement.to_f32(),
+                limit: self.model.steady_limit(confinement).map_or(0.0, T::to_f32),
             });
         }
         Ok(domain)
+    }
+
+    /// A parameter in words that live as long as the program.
+    fn parameter(&self, index: usize) -> &'static str {
+        const PLACES: [&str; MAX_PARAMETERS] = [
+            "the first parameter",
+            "the second parameter",
+            "the third parameter",
+            "the fourth parameter",
+        ];
+        match self
+            .model
+            .contents()
+            .metadata
+            .parameters
+            .get(index)
+            .map(|parameter| parameter.name)
+        {
+            Some("capillary_number") => "capillary number",
+            Some("confinement") => "confinement",
+            _ => PLACES.get(index).copied().unwrap_or_default(),
+        }
     }
 
     /// Goes to the instant `t` in [0, T], in l/V, of the prepared query. Costs nothing until something is asked of it.
@@ -171,7 +190,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         } else {
             t
         };
-        within("the instant", t, 0.0, f64::from(end_time))?;
+        within("the instant", t, 0.0, end_time)?;
         let prepared = self
             .workspace
             .prepared
@@ -533,7 +552,7 @@ fn reach<T: Real, const N: usize>(
         Ok(Domain::FarFromSamples)
     } else {
         Err(EvaluateError::FarFromSamples {
-            ratio: (deviation / T::from_f32(greatest)).to_f64(),
+            ratio: (deviation / T::from_f32(greatest)).to_f32(),
         })
     }
 }
@@ -550,11 +569,16 @@ fn fits(limit: &'static str, required: usize, capacity: usize) -> Result<(), Eva
     }
 }
 
-fn within<T: Real>(what: &'static str, value: T, min: f64, max: f64) -> Result<(), EvaluateError> {
-    let value = value.to_f64();
-    if min <= value && value <= max {
+fn within<T: Real>(what: &'static str, value: T, min: f32, max: f32) -> Result<(), EvaluateError> {
+    if lies_in(value, min, max) {
         Ok(())
     } else {
+        let value = value.to_f32();
         Err(EvaluateError::Value { what, value, min, max })
     }
+}
+
+/// A number that is none lies nowhere.
+fn lies_in<T: Real>(value: T, min: f32, max: f32) -> bool {
+    T::from_f32(min) <= value && value <= T::from_f32(max)
 }

@@ -33,6 +33,8 @@ pub trait Real:
     fn from_f32(value: f32) -> Self;
     /// The nearest number to a double.
     fn from_f64(value: f64) -> Self;
+    /// The nearest single.
+    fn to_f32(self) -> f32;
     /// The number as a double, exactly.
     fn to_f64(self) -> f64;
     /// The integer part, saturating; 0 for a NaN.
@@ -77,6 +79,9 @@ macro_rules! real {
             }
             fn from_index(value: usize) -> Self {
                 value as $scalar
+            }
+            fn to_f32(self) -> f32 {
+                self as f32
             }
             fn to_f64(self) -> f64 {
                 self as f64

@@ -1,7 +1,6 @@
 //! The figures of a failure.
 
 use crate::Status;
-use capsule_core::error::Name;
 use capsule_core::{EvaluateError, OpenError};
 use core::ffi::c_char;
 use core::ptr;
@@ -35,24 +34,21 @@ impl Error {
         greatest: 0.0,
     };
 
-    pub(crate) fn what(self, what: &'static str) -> Self {
+    /// A failure with what was found, the least and the greatest that would be right.
+    #[inline(never)]
+    pub(crate) fn new(status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Self {
         Self {
-            what: what.as_ptr().cast(),
+            status,
+            what: if what.is_empty() {
+                ptr::null()
+            } else {
+                what.as_ptr().cast()
+            },
             what_length: what.len(),
-            ..self
+            found,
+            least,
+            greatest,
         }
-    }
-
-    pub(crate) fn found(self, found: f64) -> Self {
-        Self { found, ..self }
-    }
-
-    pub(crate) fn least(self, least: f64) -> Self {
-        Self { least, ..self }
-    }
-
-    pub(crate) fn greatest(self, greatest: f64) -> Self {
-        Self { greatest, ..self }
     }
 }
 
@@ -68,110 +64,81 @@ pub(crate) fn figure(count: usize) -> f64 {
     f64::from(u32::try_from(count).unwrap_or(u32::MAX))
 }
 
-/// A parameter in words that live as long as the program.
-fn parameter(name: &Name) -> &'static str {
-    match name.as_str() {
-        "capillary_number" => "capillary number",
-        "confinement" => "confinement",
-        _ => "parameter",
-    }
-}
-
 impl From<OpenError> for Error {
     fn from(error: OpenError) -> Self {
-        let inconsistent = |what| Self::from(Status::Inconsistent).what(what);
-        match error {
-            OpenError::Truncated { expected, found } => Self::from(Status::Truncated)
-                .found(figure(found))
-                .least(figure(expected)),
-            OpenError::Magic { .. } => Status::Magic.into(),
-            OpenError::Version { found, supported } => Self::from(Status::Version)
-                .found(found.into())
-                .greatest(supported.into()),
-            OpenError::Checksum { expected, found } => {
-                Self::from(Status::Checksum).found(found.into()).least(expected.into())
-            }
-            OpenError::Undecodable => Status::Undecodable.into(),
-            OpenError::TrailingBytes { found } => Self::from(Status::TrailingBytes).found(figure(found)),
+        let counts = |found, least, greatest| [found, least, greatest].map(figure);
+        let (status, what, figures) = match error {
+            OpenError::Truncated { expected, found } => (Status::Truncated, "", counts(found, expected, 0)),
+            OpenError::Magic { .. } => return Status::Magic.into(),
+            OpenError::Version { found, supported } => (Status::Version, "", [found.into(), 0.0, supported.into()]),
+            OpenError::Checksum { expected, found } => (Status::Checksum, "", [found.into(), expected.into(), 0.0]),
+            OpenError::Undecodable => return Status::Undecodable.into(),
+            OpenError::TrailingBytes { found } => (Status::TrailingBytes, "", counts(found, 0, 0)),
             OpenError::Rows { what, expected, found }
             | OpenError::Columns { what, expected, found }
             | OpenError::Dimension { what, expected, found }
-            | OpenError::Length { what, expected, found } => {
-                inconsistent(what).found(figure(found)).least(figure(expected))
-            }
-            OpenError::Index { what, value, bound, .. } => {
-                inconsistent(what).found(figure(value)).greatest(figure(bound))
-            }
-            OpenError::Number { what, value, .. } => inconsistent(what).found(value.into()),
-            OpenError::Setting { what, value, min, max } => inconsistent(what).found(value).least(min).greatest(max),
-            OpenError::SectorNode { node, .. } => inconsistent("sector nodes").found(figure(node)),
-            OpenError::ShortOutline { name } => inconsistent(name),
-            OpenError::DuplicateSample { second, .. } => inconsistent("samples").found(figure(second)),
-            _ => Status::Other.into(),
-        }
+            | OpenError::Length { what, expected, found } => (Status::Inconsistent, what, counts(found, expected, 0)),
+            OpenError::Index { what, value, bound, .. } => (Status::Inconsistent, what, counts(value, 0, bound)),
+            OpenError::Number { what, value, .. } => (Status::Inconsistent, what, [value.into(), 0.0, 0.0]),
+            OpenError::Setting { what, value, min, max } => (Status::Inconsistent, what, [value, min, max]),
+            OpenError::SectorNode { node, .. } => (Status::Inconsistent, "sector nodes", counts(node, 0, 0)),
+            OpenError::ShortOutline { name } => (Status::Inconsistent, name, [0.0; 3]),
+            OpenError::DuplicateSample { second, .. } => (Status::Inconsistent, "samples", counts(second, 0, 0)),
+            _ => return Status::Other.into(),
+        };
+        Self::new(status, what, figures)
     }
 }
 
 impl From<EvaluateError> for Error {
     fn from(error: EvaluateError) -> Self {
-        match error {
+        let counts = |found, least, greatest| [found, least, greatest].map(figure);
+        let numbers = |found: f32, least: f32, greatest: f32| [found, least, greatest].map(f64::from);
+        let (status, what, figures) = match error {
             EvaluateError::Capacity {
                 limit,
                 required,
                 capacity,
-            } => Self::from(Status::Capacity)
-                .what(limit)
-                .found(figure(required))
-                .greatest(figure(capacity)),
-            EvaluateError::Value { what, value, min, max } => Self::from(Status::Value)
-                .what(what)
-                .found(value)
-                .least(min)
-                .greatest(max),
-            EvaluateError::ParameterCount { expected, found } => Self::from(Status::ParameterCount)
-                .found(figure(found))
-                .least(figure(expected)),
-            EvaluateError::Parameter { name, value, min, max } => Self::from(Status::Value)
-                .what(parameter(&name))
-                .found(value)
-                .least(min)
-                .greatest(max),
-            EvaluateError::OutsideDomain { name, value, range } => {
-                let [least, greatest] = range;
-                Self::from(Status::OutsideDomain)
-                    .what(parameter(&name))
-                    .found(value)
-                    .least(least)
-                    .greatest(greatest)
+            } => (Status::Capacity, limit, counts(required, 0, capacity)),
+            EvaluateError::Value { what, value, min, max } | EvaluateError::Parameter { what, value, min, max } => {
+                (Status::Value, what, numbers(value, min, max))
             }
-            EvaluateError::FarFromSamples { ratio } => Self::from(Status::OutsideDomain)
-                .what("distance from the samples")
-                .found(ratio)
-                .greatest(1.0),
-            EvaluateError::FarOutside { distance, limit } => Self::from(Status::OutsideDomain)
-                .what("distance from the samples in their spread")
-                .found(distance)
-                .greatest(limit),
+            EvaluateError::ParameterCount { expected, found } => {
+                (Status::ParameterCount, "", counts(found, expected, 0))
+            }
+            EvaluateError::OutsideDomain {
+                what,
+                value,
+                range: [min, max],
+            } => (Status::OutsideDomain, what, numbers(value, min, max)),
+            EvaluateError::FarFromSamples { ratio } => (
+                Status::OutsideDomain,
+                "distance from the samples",
+                numbers(ratio, 0.0, 1.0),
+            ),
+            EvaluateError::FarOutside { distance, limit } => (
+                Status::OutsideDomain,
+                "distance from the samples in their spread",
+                numbers(distance, 0.0, limit),
+            ),
             EvaluateError::BeyondSteadyLimit {
                 capillary_number,
                 limit,
                 ..
-            } => Self::from(Status::BeyondSteadyLimit)
-                .what("capillary number")
-                .found(capillary_number)
-                .greatest(limit),
-            EvaluateError::Weights { sum } => Self::from(Status::Weights).found(sum),
-            EvaluateError::NotPrepared => Status::NotPrepared.into(),
-            EvaluateError::UnknownNode { node, nodes } => Self::from(Status::UnknownNode)
-                .found(figure(node))
-                .greatest(figure(nodes)),
-            EvaluateError::BufferTooShort { required, found } => {
-                Self::from(Status::Short).found(figure(found)).least(figure(required))
-            }
-            EvaluateError::NotFinite => Status::NotFinite.into(),
-            EvaluateError::NoSphere => Status::NoSphere.into(),
-            EvaluateError::UnknownNodeSet => Status::NoOutline.into(),
-            _ => Status::Other.into(),
-        }
+            } => (
+                Status::BeyondSteadyLimit,
+                "capillary number",
+                numbers(capillary_number, 0.0, limit),
+            ),
+            EvaluateError::Weights { sum } => (Status::Weights, "", numbers(sum, 0.0, 0.0)),
+            EvaluateError::NotPrepared => return Status::NotPrepared.into(),
+            EvaluateError::UnknownNode { node, nodes } => (Status::UnknownNode, "", counts(node, 0, nodes)),
+            EvaluateError::BufferTooShort { required, found } => (Status::Short, "", counts(found, required, 0)),
+            EvaluateError::NotFinite => return Status::NotFinite.into(),
+            EvaluateError::NoSphere => return Status::NoSphere.into(),
+            EvaluateError::UnknownNodeSet => return Status::NoOutline.into(),
+            _ => return Status::Other.into(),
+        };
+        Self::new(status, what, figures)
     }
 }

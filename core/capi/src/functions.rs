@@ -184,9 +184,8 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         let (model, workspace, parameters) =
             unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
         let expected = model.contents().metadata.parameters.len();
-        let wrong_count = Error::from(Status::ParameterCount)
-            .found(figure(parameters.len()))
-            .least(figure(expected));
+        let counts = [parameters.len(), expected, 0].map(figure);
+        let wrong_count = Error::new(Status::ParameterCount, "", counts);
         let parameters = rom::Parameters::new(parameters).ok_or(wrong_count)?;
         let method = match query.method {
             0 => model.contents().default_method,
@@ -512,16 +511,13 @@ unsafe fn call(error: *mut Error, buffers: &[Bytes], work: &mut dyn Work<(), ()>
 fn holds<O>(size: usize) -> Result<(), Error> {
     let needed = size_of::<O>();
     if size < needed {
-        return Err(Error::from(Status::Short).found(figure(size)).least(figure(needed)));
+        return Err(Error::new(Status::Short, "", [size, needed, 0].map(figure)));
     }
     Ok(())
 }
 
 fn choice(what: &'static str, found: usize, greatest: usize) -> Error {
-    Error::from(Status::Choice)
-        .what(what)
-        .found(figure(found))
-        .greatest(figure(greatest))
+    Error::new(Status::Choice, what, [found, 0, greatest].map(figure))
 }
 
 fn frame_of(frame: u32) -> Result<rom::Frame, Error> {

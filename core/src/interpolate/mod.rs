@@ -131,8 +131,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
             return Ok(());
         }
         Err(EvaluateError::FarOutside {
-            distance: (square(centroid) / spread).sqrt().to_f64(),
-            limit: f64::from(REACH),
+            distance: (square(centroid) / spread).sqrt().to_f32(),
+            limit: REACH,
         })
     }
 
@@ -164,7 +164,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let values = part_mut(&mut self.values, 0..self.count);
         let sum = values.iter().copied().sum::<T>();
         if (sum - T::ONE).abs() > T::EPSILON.sqrt() || !sum.is_finite() {
-            return Err(EvaluateError::Weights { sum: sum.to_f64() });
+            return Err(EvaluateError::Weights { sum: sum.to_f32() });
         }
         for value in values {
             *value = *value / sum;

@@ -34,6 +34,7 @@ impl<T: Real> Rotations<T> {
     }
 
     /// Rotates the next row against all above it. Returns false when there is nothing left to do.
+    #[inline(never)]
     pub(crate) fn advance<const K: usize>(&mut self, rows: &mut [[T; K]], columns: usize) -> bool {
         if self.row >= rows.len() {
             let more = self.rotated && self.sweep + 1 < MOST_SWEEPS;

@@ -113,6 +113,10 @@ impl Real for Counted {
     fn from_f64(value: f64) -> Self {
         Self(Real::from_f64(value))
     }
+    fn to_f32(self) -> f32 {
+        self.0 as f32
+    }
+
     fn to_f64(self) -> f64 {
         self.0.into()
     }
