@@ -8,7 +8,7 @@
 //! squared on the way: the condition stays that of the snapshots.
 
 use crate::Real;
-use crate::linalg::{add_scaled, dot, jacobi, part, part_mut};
+use crate::linalg::{LANES, add_scaled, dot, jacobi, part, part_mut};
 use crate::workspace::{Factor, PAPER_MODES};
 use core::ops::Range;
 
@@ -93,7 +93,8 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 }
             }
             Learning::Direction { done, open, floor } => {
-                let (open, longest) = sort(part_mut(factor, done..open), done..columns, floor);
+                let rest = done..whole(done, columns);
+                let (open, longest) = sort(part_mut(factor, done..open), rest.clone(), floor);
                 let open = done + open;
                 let floor = if done == 0 {
                     longest * T::from_f32(NEGLIGIBLE * NEGLIGIBLE)
@@ -102,7 +103,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 };
                 // The reflections go where the other snapshots were, so they may be half of the rows.
                 if done < open && done < columns && done < PAPER_MODES / 2 {
-                    reflect(part_mut(factor, done..open), done..columns);
+                    reflect(part_mut(factor, done..open), rest);
                     Learning::Direction {
                         done: done + 1,
                         open,
@@ -124,14 +125,14 @@ impl<T: Real, const M: usize> Basis<T, M> {
                     reflection.copy_from_slice(row);
                     part_mut(row, k + 1..PAPER_MODES).fill(T::ZERO);
                 }
-                let rotations = jacobi::Rotations::new(rows, rank, T::from_f32(NEGLIGIBLE / 4.0));
+                let rotations = jacobi::Rotations::new(rows, whole(0, rank), T::from_f32(NEGLIGIBLE / 4.0));
                 Learning::Rotations { rank, rotations }
             }
             Learning::Rotations {
                 rank,
                 ref mut rotations,
             } => {
-                if rotations.advance(part_mut(factor, 0..rank), rank) {
+                if rotations.advance(part_mut(factor, 0..rank), whole(0, rank)) {
                     return Some(());
                 }
                 self.rows = [[T::ZERO; PAPER_MODES]; M];
@@ -142,11 +143,12 @@ impl<T: Real, const M: usize> Basis<T, M> {
             Learning::Mode { rank, floor } => {
                 let (rows, reflections) = factor.split_at_mut_checked(rank)?;
                 let mode = self.rows.get_mut(self.rank).filter(|_| self.rank < wanted)?;
-                let length = take_longest(rows, part_mut(mode, 1..rank + 1)).filter(|length| *length > floor)?;
-                let mode = part_mut(mode, 1..columns + 1);
+                let shape = part_mut(mode, 1..PAPER_MODES);
+                let length = take_longest(rows, part_mut(shape, 0..whole(0, rank))).filter(|length| *length > floor)?;
                 for (k, reflection) in reflections.iter().enumerate().take(rank).rev() {
-                    let rest = part(reflection, k + 1..columns);
-                    mirror(rest, factor_of(rest), part_mut(mode, k..columns));
+                    let end = whole(k + 1, columns).min(PAPER_MODES - 1);
+                    let rest = part(reflection, k + 1..end);
+                    mirror(rest, factor_of(rest), part_mut(shape, k..end));
                 }
                 self.rank += 1;
                 let floor = floor.max(length * T::EPSILON * T::from_index(columns));
@@ -161,11 +163,12 @@ impl<T: Real, const M: usize> Basis<T, M> {
         part(&self.rows, 0..self.rank)
     }
 
-    /// out <- W^T x: local coordinates of global coefficients.
-    pub(crate) fn project(&self, x: &[T], out: &mut [T; M]) {
+    /// out <- W^T x: local coordinates of `rank` global coefficients, which zeros follow.
+    pub(crate) fn project(&self, x: &[T; PAPER_MODES], rank: usize, out: &mut [T; M]) {
         out.fill(T::ZERO);
+        let columns = 0..whole(0, rank);
         for (out, row) in out.iter_mut().zip(self.rows()) {
-            *out = dot(part(row, 0..x.len()), x);
+            *out = dot(part(row, columns.clone()), part(x, columns.clone()));
         }
     }
 
@@ -176,6 +179,12 @@ impl<T: Real, const M: usize> Basis<T, M> {
             add_scaled(out, *x, row);
         }
     }
+}
+
+/// The end of a range of columns that fills the lanes of a product: zeros follow the columns that count, and a rest that
+/// does not fill them costs more than they do.
+fn whole(start: usize, end: usize) -> usize {
+    (start + (end - start).next_multiple_of(LANES)).min(PAPER_MODES)
 }
 
 /// Sorts rows by the length of what these columns have, as far as it matters: the longest goes first, and those with a

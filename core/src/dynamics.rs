@@ -246,13 +246,13 @@ fn snapshot<T: Real, const K: usize, const M: usize>(
     out: &mut Snapshot<T, M>,
 ) {
     let mut global = [T::ZERO; PAPER_MODES];
-    let global = part_mut(&mut global, 0..source.rank());
+    let rank = source.rank();
     for (quantity, basis, out) in [
         (Quantity::Displacement, displacement, &mut out.alpha),
         (Quantity::Velocity, velocity, &mut out.xi),
     ] {
-        source.at_instant(instant, quantity, global);
-        basis.project(global, out);
+        source.at_instant(instant, quantity, part_mut(&mut global, 0..rank));
+        basis.project(&global, rank, out);
     }
     for (rate, q) in out.rate.iter_mut().zip(q) {
         *rate = dot(q, &out.xi);

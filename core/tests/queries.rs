@@ -43,7 +43,7 @@ fn parameters_are_judged() {
         );
         assert_eq!(
             error.to_string(),
-            "capillary_number = 0.3 lies outside its sampled range [0.005, 0.2]"
+            "capillary number = 0.3 lies outside its sampled range [0.005, 0.2]"
         );
         assert_eq!(prepare(0.3, 0.9, true), Ok(Domain::Outside));
         assert_eq!(prepare(0.05, 0.6, true), Ok(Domain::Outside));

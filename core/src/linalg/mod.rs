@@ -9,7 +9,8 @@ pub(crate) use qr::{MOST_COLUMNS, Qr, symmetric_times};
 use crate::Real;
 use core::ops::Range;
 
-const LANES: usize = 8;
+/// Sums that a product is gathered in.
+pub(crate) const LANES: usize = 8;
 
 /// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
 /// the range is always there, but the compiler cannot know; this way no panic is linked.
