@@ -42,7 +42,7 @@ impl Fixture {
     /// A model that is open and a workspace with a query.
     fn new() -> Self {
         let mut fixture = Self {
-            file: common::Family::new(2).file(),
+            file: common::Family::small().file(),
             model: Box::new(Model {
                 opaque: [0; MODEL_WORDS],
             }),

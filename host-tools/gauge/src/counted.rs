@@ -114,7 +114,7 @@ impl Real for Counted {
         Self(Real::from_f64(value))
     }
     fn to_f32(self) -> f32 {
-        self.0 as f32
+        self.0
     }
 
     fn to_f64(self) -> f64 {
