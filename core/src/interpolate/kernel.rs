@@ -8,6 +8,7 @@ use super::{Coordinates, Storage, Weights, covariance, minus, square};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot_in_order, part, part_mut, symmetric_times};
 use crate::model::wire::{Kernel, Matrix};
+use crate::model::{Curve, MatrixView};
 use crate::{Parameters, Real};
 
 /// Degree of the tail.
@@ -22,7 +23,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// a sample that takes no part. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
     ///
     /// Where the nearest samples lie on a surface of second degree, the monomials that they cannot tell
-    /// apart are left out of the tail.
+    /// apart are left out of the tail. Where the query's side of the border holds fewer samples than are wanted, those of
+    /// the other side take part, and the weights reproduce a jump at the border beside the quadratics.
     ///
     /// # Errors
     /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart;
@@ -37,12 +39,24 @@ impl<T: Real, const N: usize> Weights<T, N> {
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<(), EvaluateError> {
-        self.find(coordinates, samples, query, left_out, settings.neighbours.into());
+        let wanted = usize::from(settings.neighbours);
+        self.find(coordinates, samples, query, left_out, wanted);
+        let crosses = self.count < wanted && coordinates.border.within(query.get(1)).is_some();
+        if crosses {
+            let border = Curve::new(&Matrix::f32(0, 2, &[]));
+            let uncut = Coordinates { border, ..*coordinates };
+            self.find(&uncut, samples, query, left_out, wanted);
+        }
         self.degree = DEGREE;
         self.scale(self.distance(self.count))?;
         let n = self.count;
         let Storage { columns, matrix } = Storage::<T, N>::new(scratch)?;
-        let qr = Qr::new(n, self.monomials(columns));
+        let mut count = self.monomials(columns).len();
+        if let Some(column) = columns.get_mut(count).filter(|_| crosses) {
+            self.beyond(coordinates, samples, query, column);
+            count += 1;
+        }
+        let qr = Qr::new(n, part_mut(columns, 0..count));
         let matrix = part_mut(matrix, 0..n);
         let offsets = part(&self.offsets, 0..n);
         for (i, (row, a)) in matrix.iter_mut().zip(offsets).enumerate() {
@@ -80,5 +94,16 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let weights = part(&self.values, 0..n);
         self.variance = -variance - T::from_f32(SCATTER) * dot_in_order(weights, weights);
         Ok(())
+    }
+
+    /// 1 at the samples beyond the border, else 0: what the data jump by there. The query is on its own side.
+    fn beyond(&self, coordinates: &Coordinates<'_>, samples: &Matrix<'_>, query: &Parameters<T>, column: &mut [T; N]) {
+        let samples = MatrixView::new(samples);
+        column.fill(T::ZERO);
+        for (entry, sample) in column.iter_mut().zip(self.samples).take(self.count) {
+            let parameters = [0, 1].map(|d| T::from_f32(samples.get(sample.into(), d)));
+            let apart = coordinates.apart(query.array(), parameters);
+            *entry = if apart { T::ONE } else { T::ZERO };
+        }
     }
 }

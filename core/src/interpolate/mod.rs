@@ -475,6 +475,26 @@ mod tests {
     }
 
     #[test]
+    fn beyond_a_border_with_few_samples_on_its_side_the_kernel_reproduces_a_jump() {
+        // Four columns of four rows lie below the border: fewer than the 24 that are wanted.
+        let bytes = bytes([[0.7, 0.045], [0.93, 0.045]]);
+        let border = matrix(&bytes);
+        for query in [[0.013, 0.76], [0.04, 0.83], [0.043, 0.9]] {
+            let value = |[ca, y]: [f64; 2]| {
+                let x = (ca / limit(y).sqrt().sqrt()).sqrt();
+                let jump = if ca < 0.045 { 3.0 } else { 0.0 };
+                jump + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
+            };
+            let weights = weights_beside::<f64>(&border, true, 4, query, None);
+            assert!(weights.iter().any(|(sample, weight)| grid(sample)[0] > 0.045 && weight.abs() > 1e-3));
+            assert!((interpolate(&weights, value) - value(query)).abs() < 1e-12, "{query:?}");
+            let single = weights_beside::<f32>(&border, true, 4, query, None);
+            assert!((interpolate(&single, value) - value(query)).abs() < 1e-5, "{query:?}");
+            assert!((weights.variance - weights.quadratic_form()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn too_few_rows_for_the_tail_still_answer() {
         for kernel in [true, false] {
             for rows in [1, 2] {
