@@ -486,7 +486,11 @@ mod tests {
                 jump + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
             };
             let weights = weights_beside::<f64>(&border, true, 4, query, None);
-            assert!(weights.iter().any(|(sample, weight)| grid(sample)[0] > 0.045 && weight.abs() > 1e-3));
+            assert!(
+                weights
+                    .iter()
+                    .any(|(sample, weight)| grid(sample)[0] > 0.045 && weight.abs() > 1e-3)
+            );
             assert!((interpolate(&weights, value) - value(query)).abs() < 1e-12, "{query:?}");
             let single = weights_beside::<f32>(&border, true, 4, query, None);
             assert!((interpolate(&single, value) - value(query)).abs() < 1e-5, "{query:?}");

@@ -3,7 +3,7 @@
 use crate::source::SourceOptions;
 use crate::{print, progress};
 use anyhow::{Context, Result, bail};
-use capsule_offline::Design;
+use capsule_offline::Settings;
 use capsule_plot::{Cells, Figure, Panel};
 use capsule_study::Report;
 use clap::{Args, ValueEnum};
@@ -15,7 +15,7 @@ pub struct Options {
     #[command(flatten)]
     source: SourceOptions,
     /// Configurations of the database that take part
-    #[arg(long, value_enum, default_value_t = Samples::All)]
+    #[arg(long, value_enum, default_value_t = Samples::All, conflicts_with = "from")]
     design: Samples,
     /// Print one JSON object
     #[arg(long)]
@@ -53,10 +53,9 @@ samples in the domain that the model answers for; those around it take part, but
 pub fn run(options: &Options) -> Result<()> {
     let (snapshots, mut settings) = options.source.open()?;
     let bar = progress::tasks(options.quiet);
-    settings.design = match options.design {
-        Samples::All => Design::All,
-        Samples::Paper => Design::Paper,
-    };
+    if let Samples::Paper = options.design {
+        settings = Settings::of_paper_design();
+    }
     let report = capsule_study::leave_one_out(snapshots.source(), &settings, &|task, done, of| {
         progress::show(&bar, task, done, of);
     })?;

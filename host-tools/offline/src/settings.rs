@@ -131,7 +131,7 @@ impl Default for Settings {
             spacing: 0.05,
             kernel: Kernel {
                 neighbours: 24,
-                scales: [2.0, 1.0, 1.0, 1.0],
+                scales: [1.5, 1.0, 1.0, 1.0],
             },
             paper: Paper {
                 neighbours: 12,
@@ -193,6 +193,17 @@ impl Settings {
             error_times: instants.into_iter().map(|i| collection.times[i]).collect(),
             ..standard
         })
+    }
+
+    /// The settings for the paper's design alone. A quarter of the samples need fewer modes: three quarters of a megabyte
+    /// hold a finer truncation.
+    #[must_use]
+    pub fn of_paper_design() -> Self {
+        Settings {
+            design: Design::Paper,
+            truncation: Truncation::Tolerance(3e-5),
+            ..Settings::default()
+        }
     }
 
     /// Checks what the types leave open.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use capsule_core::model::{Curve, MatrixView};
 use capsule_core::{Method, Model};
-use capsule_offline::{BuildReport, Design, Progress, Settings, Spectrum, build, one_minus_ric};
+use capsule_offline::{BuildReport, Progress, Settings, Spectrum, build, one_minus_ric};
 use capsule_plot::{Axis, Cells, Panel};
 
 use super::sheet::{Curves, Section, Series, Sheet};
@@ -83,9 +83,8 @@ pub(super) fn reduction(
         (Small::new(subject)?.whole(folder)?.1, "A small part of the design")
     } else {
         let settings = Settings {
-            design: Design::Paper,
             error_times: vec![1.0, 2.0, 4.0, 8.0],
-            ..Settings::default()
+            ..Settings::of_paper_design()
         };
         (
             build(subject.database, &settings, progress)?.1,
