@@ -8,16 +8,13 @@ use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
-use crate::model::{MatrixView, Model};
+use crate::model::{MatrixView, Model, apply};
 use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
 use crate::workspace::{Coefficients, Factor, Prepared, Workspace};
-use crate::{Domain, Frame, Method, Query, Real, Scene};
-
-/// Instants that share a pass over the modes in [`Evaluator::positions`]: as many as registers hold.
-pub const TOGETHER: usize = 4;
+use crate::{Domain, Frame, Method, Nodes, Playback, Query, Real, Scene};
 
 /// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
 const NEGLIGIBLE: f32 = 1e-6;
@@ -209,46 +206,35 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         })
     }
 
-    /// Positions of the scene's nodes, in l, at several instants of the prepared query: those of the first instant into the
-    /// first entries of `out`, then those of the second ... Returns how many there are of each. The bits are those of
-    /// [`Instant::positions`]; the modes are read once for [`TOGETHER`] instants.
+    /// Positions of all nodes, in l, at the instant `t` of the prepared query, into the first entries of `out`; returns how
+    /// many there are. For frames that follow each other: `playback` keeps what the next one needs, and the first one takes as
+    /// long as two groups of four surfaces. The numbers are those of [`Instant::positions`] but for rounding, as they are
+    /// added in another order. [`Method::Paper`] has no such short way and goes to the instant.
     ///
     /// # Errors
-    /// As [`at`](Self::at) and [`Instant::positions`].
-    pub fn positions(&mut self, times: &[T], scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
-        let model = self.model;
-        let (together, rest) = times.as_chunks::<TOGETHER>();
-        let (mut count, mut start) = (0, 0);
-        for times in together {
-            let mut values = [[T::ZERO; K]; TOGETHER];
-            let mut translation = [T::ZERO; TOGETHER];
-            let mut longest = 1;
-            for ((t, values), translation) in times.iter().zip(&mut values).zip(&mut translation) {
-                let mut instant = self.at(*t)?;
-                let shape = instant.shape(scene.frame);
-                let ([coefficients], [along]) = (shape.coefficients, shape.translation);
-                part_mut(values, 0..coefficients.len()).copy_from_slice(coefficients);
-                *translation = along;
-                longest = coefficients.len().max(longest);
+    /// As [`at`](Self::at) and [`Instant::positions`]; room that is too short.
+    pub fn frame<R: AsMut<[T]>>(
+        &mut self,
+        t: T,
+        frame: Frame,
+        playback: &mut Playback<T, R>,
+        out: &mut [[T; 3]],
+    ) -> Result<usize, EvaluateError> {
+        let mut instant = self.at(t)?;
+        match (instant.query.method, instant.workspace.prepared) {
+            (Method::Direct, Some(prepared)) => {
+                let translation = match frame {
+                    Frame::Laboratory => instant.centroid(),
+                    Frame::Centroid => T::ZERO,
+                };
+                let at = [instant.t, translation];
+                playback.positions(instant.model, instant.workspace, prepared, at, out)
             }
-            let Some(time) = times.first() else { continue };
-            let one = self.at(*time)?;
-            let field = Snapshot {
-                mesh: model.mesh(),
-                modes: MatrixView::new(&one.cluster.field.modes),
-                coefficients: values.each_ref().map(|values| part(values, 0..longest)),
-                scale: model.scale(&one.query.parameters),
-                translation,
-            };
-            count = field.fill(model, scene.nodes, out.get_mut(start..).unwrap_or_default())?;
-            start += TOGETHER * count;
+            _ => {
+                let nodes = Nodes::All;
+                instant.positions(&Scene { nodes, frame }, out)
+            }
         }
-        for t in rest {
-            let out = out.get_mut(start..).unwrap_or_default();
-            count = self.at(*t)?.positions(scene, out)?;
-            start += count;
-        }
-        Ok(count)
     }
 }
 
@@ -285,25 +271,30 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
 
     /// Axial position X_c of the volume centroid in the laboratory frame, in l.
     pub fn centroid(&mut self) -> T {
-        self.displacement();
-        self.workspace.displacement.values[0] / self.root_of_nodes()
+        self.translation(Quantity::Displacement) / self.root_of_nodes()
     }
 
     /// Axial velocity U = dX_c/dt of the volume centroid, in V.
     pub fn centroid_velocity(&mut self) -> T {
-        let coefficient = match self.query.method {
-            Method::Direct if self.workspace.velocity.t != Some(self.t) => {
-                let Workspace {
-                    contracted, controls, ..
-                } = &mut *self.workspace;
-                Motion::new(&self.cluster.field, contracted).translation_rate(controls, self.t)
+        self.translation(Quantity::Velocity) / self.root_of_nodes()
+    }
+
+    /// The translation's coefficient alone.
+    fn translation(&mut self, quantity: Quantity) -> T {
+        match (self.query.method, quantity) {
+            (Method::Direct, _) => {
+                let contracted = &self.workspace.contracted;
+                Motion::<T, K>::new(&self.cluster.field, contracted).translation(self.t, quantity)
             }
-            _ => {
+            (Method::Paper, Quantity::Displacement) => {
+                self.displacement();
+                self.workspace.displacement.values[0]
+            }
+            (Method::Paper, Quantity::Velocity) => {
                 self.velocity();
                 self.workspace.velocity.values[0]
             }
-        };
-        coefficient / self.root_of_nodes()
+        }
     }
 
     /// Lengths and velocity; reconstructs the nodes of the two outlines only. Where the model has no outlines, it takes
@@ -333,8 +324,24 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// # Errors
     /// [`EvaluateError::NotFinite`].
     pub fn volume(&mut self) -> Result<T, EvaluateError> {
-        let shape = self.shape(Frame::Centroid);
-        volume(&shape.mesh, |node| shape.node(node))
+        self.displacement();
+        let Workspace {
+            displacement, scratch, ..
+        } = &mut *self.workspace;
+        let shape = shape(self.model, self.cluster, &self.query, displacement, T::ZERO);
+        // What is learned in the scratch is learned when there is a displacement.
+        let (room, _) = scratch.as_flattened_mut().as_chunks_mut::<3>();
+        match room.get_mut(..shape.mesh.sector_nodes().len()) {
+            Some(sector) => {
+                shape.fill_sector(sector)?;
+                volume(&shape.mesh, |node| {
+                    let origin = shape.mesh.origin(node);
+                    let vector = origin.and_then(|(index, operation)| Some(apply(operation, *sector.get(index)?)));
+                    vector.ok_or(EvaluateError::NotFinite)
+                })
+            }
+            None => volume(&shape.mesh, |node| shape.node(node)),
+        }
     }
 
     /// Positions of the scene's nodes, in l, into the first entries of `out`. Returns how many there are.
@@ -360,9 +367,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let field = Snapshot {
             mesh: self.model.mesh(),
             modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: [part(values, 1..*count)],
+            coefficients: part(values, 1..*count).as_chunks().0,
             scale: T::ZERO,
-            translation: [translation],
+            translation,
         };
         field.fill(self.model, scene.nodes, out)
     }
@@ -376,8 +383,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let nodes = self.model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
         let out = room(out, nodes.len())?;
         let (shape, plane) = (self.shape(frame), Plane::of(name));
+        let mut walk = shape.walk();
         for (node, out) in nodes.iter().zip(&mut *out) {
-            *out = shape.axial_radial(node, plane)?;
+            *out = walk.axial_radial(node, plane)?;
         }
         Ok(out.len())
     }
@@ -517,18 +525,30 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// The surface at this instant.
     fn shape(&mut self, frame: Frame) -> Snapshot<'a, '_, T> {
         self.displacement();
-        let Coefficients { values, count, .. } = &self.workspace.displacement;
+        let displacement = &self.workspace.displacement;
         let translation = match frame {
-            Frame::Laboratory => values[0] / self.root_of_nodes(),
+            Frame::Laboratory => displacement.values[0] / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
-        Snapshot {
-            mesh: self.model.mesh(),
-            modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: [part(values, 1..*count)],
-            scale: self.model.scale(&self.query.parameters),
-            translation: [translation],
-        }
+        shape(self.model, self.cluster, &self.query, displacement, translation)
+    }
+}
+
+/// The surface of a displacement.
+fn shape<'a, 's, T: Real, const K: usize>(
+    model: &Model<'a>,
+    cluster: &Cluster<'a>,
+    query: &Query<T>,
+    displacement: &'s Coefficients<T, K>,
+    translation: T,
+) -> Snapshot<'a, 's, T> {
+    let Coefficients { values, count, .. } = displacement;
+    Snapshot {
+        mesh: model.mesh(),
+        modes: MatrixView::new(&cluster.field.modes),
+        coefficients: part(values, 1..*count).as_chunks().0,
+        scale: model.scale(&query.parameters),
+        translation,
     }
 }
 

@@ -4,7 +4,7 @@
 //! they are kept, so that an instant beside it costs four multiplications a coefficient.
 
 use crate::Real;
-use crate::linalg::{dot, part, part_mut};
+use crate::linalg::{LANES, dot, part};
 use crate::model::wire::Field;
 use crate::model::{Indices, MatrixView};
 use crate::spline::{ORDER, Splines};
@@ -83,21 +83,23 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     /// out <- the leading coefficients at `t` of a quantity, as many as `out` holds.
     pub(crate) fn coefficients(&self, controls: &mut Controls<T, K>, t: T, quantity: Quantity, out: &mut [T]) {
         let (splines, [a, b, c, d]) = self.enter(controls, t);
-        let [p, q, r, s] = match quantity {
-            Quantity::Displacement => splines.values,
-            Quantity::Velocity => splines.rates,
-        };
+        let [p, q, r, s] = splines.of(quantity);
         for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
             *out = (p * *a + q * *b) + (r * *c + s * *d);
         }
     }
 
-    /// The translation's coefficient of the velocity alone.
-    pub(crate) fn translation_rate(&self, controls: &mut Controls<T, K>, t: T) -> T {
-        let mut rate = [T::ZERO];
-        self.coefficients(controls, t, Quantity::Velocity, &mut rate);
-        let [rate] = rate;
-        rate
+    /// The translation's coefficient at `t` alone.
+    pub(crate) fn translation(&self, t: T, quantity: Quantity) -> T {
+        let splines = Splines::at(&self.knots, t);
+        let [a, b, c, d] = core::array::from_fn(|i| self.axial_control(splines.first + i));
+        let [p, q, r, s] = splines.of(quantity);
+        (p * a + q * b) + (r * c + s * d)
+    }
+
+    /// The splines that are not zero at `t`.
+    pub(crate) fn splines(&self, t: T) -> Splines<T> {
+        Splines::at(&self.knots, t)
     }
 
     /// Computes the controls of an instant that are not there yet.
@@ -123,24 +125,35 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         (splines, ordered)
     }
 
-    /// out <- control number `b`: slice b times psi, and the translation's.
-    fn control(&self, b: usize, out: &mut [T; K]) {
+    /// out <- control number `b`, the translation's first; zeros beyond the last control.
+    pub(crate) fn control(&self, b: usize, out: &mut [T; K]) {
+        out.fill(T::ZERO);
+        if let Some((translation, shape)) = out.split_first_mut() {
+            *translation = self.axial_control(b);
+            self.shape_control(b, shape);
+        }
+    }
+
+    fn axial_control(&self, b: usize) -> T {
+        let Contracted { axial, .. } = self.contracted;
+        self.axial_controls
+            .dot(b, part(axial, 0..self.axial_controls.columns()))
+    }
+
+    /// out <- slice b times psi, as far as there are rows.
+    fn shape_control(&self, b: usize, out: &mut [T]) {
         let mut counts = self.slices.pairs();
         let before = counts.by_ref().take(b);
         let [coarse, fine] = before.fold([0, 0], |[p, q], [coarse, fine]| [p + coarse, q + fine]);
-        let [coarse_rows, fine_rows] = counts.next().unwrap_or_default();
-        let Contracted { psi, axial } = self.contracted;
-        let psi = part(psi, 0..self.coarse.columns());
-        out.fill(T::ZERO);
-        let Some((translation, shape)) = out.split_first_mut() else {
-            return;
-        };
-        *translation = self
-            .axial_controls
-            .dot(b, part(axial, 0..self.axial_controls.columns()));
-        let end = coarse_rows + fine_rows;
-        self.coarse.multiply(coarse, psi, part_mut(shape, 0..coarse_rows));
-        self.fine.multiply(fine, psi, part_mut(shape, coarse_rows..end));
+        let [coarse_panels, fine_panels] = counts.next().unwrap_or_default();
+        let Contracted { psi, .. } = self.contracted;
+        let (psi, _) = part(psi, 0..self.coarse.columns()).as_chunks::<1>();
+        let coarse = (coarse..coarse + coarse_panels).map(|panel| (&self.coarse, panel));
+        let fine = (fine..fine + fine_panels).map(|panel| (&self.fine, panel));
+        for ((rows, panel), out) in coarse.chain(fine).zip(out.chunks_mut(LANES)) {
+            let [products] = rows.panel(panel, psi);
+            out.iter_mut().zip(products).for_each(|(out, product)| *out = product);
+        }
     }
 }
 

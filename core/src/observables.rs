@@ -123,8 +123,9 @@ impl<T: Real> Outline<T> {
             width: Greatest::NONE,
             rear_pole: T::ZERO,
         };
+        let mut walk = snapshot.walk();
         for node in nodes.iter() {
-            let [x, r] = snapshot.axial_radial(node, plane)?;
+            let [x, r] = walk.axial_radial(node, plane)?;
             outline.front.push(x);
             outline.rear.push(-x);
             outline.width.push(r);

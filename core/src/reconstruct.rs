@@ -1,22 +1,27 @@
 //! From coefficients to vectors at the nodes, for the asked nodes only.
 
 use crate::error::EvaluateError;
-use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, apply};
+use crate::linalg::LANES;
+use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, apply, images};
 use crate::{Nodes, Real};
 
-/// A field at `B` instants: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation. Several
-/// instants share one pass over the modes, and come to the same bits as each alone.
+/// A field: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation; or `B` of them, which share
+/// one pass over the modes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Snapshot<'a, 's, T, const B: usize = 1> {
     pub(crate) mesh: Mesh<'a>,
     pub(crate) modes: MatrixView<'a>,
-    /// Coefficients of the leading shape modes, in the units of their columns; as many at each instant.
-    pub(crate) coefficients: [&'s [T]; B],
+    /// Coefficients of the leading shape modes, in the units of their columns: the first of each field, then the second ones
+    /// ...
+    pub(crate) coefficients: &'s [[T; B]],
     /// Factor of the reference nodes: a/l for positions, 0 for velocities.
     pub(crate) scale: T,
     /// Added to the axial component.
-    pub(crate) translation: [T; B],
+    pub(crate) translation: T,
 }
+
+/// The eight values of a component in a panel of nodes.
+pub(crate) type Lanes<T> = [T; LANES];
 
 /// The plane through the axis in which an outline lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,19 +46,113 @@ impl Plane {
 }
 
 impl<T: Real, const B: usize> Snapshot<'_, '_, T, B> {
-    /// The vectors at a sector node.
-    fn sector_node(&self, node: usize) -> [[T; 3]; B] {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.component(node, axis));
-        // All have as many entries.
-        core::array::from_fn(|b| [x[b] + self.translation[b], y[b], z[b]])
+    /// A component at the sector's nodes of a panel.
+    pub(crate) fn panel(&self, panel: usize, axis: usize) -> [Lanes<T>; B] {
+        let mut values = self.modes.panel(axis * self.mesh.panels() + panel, self.coefficients);
+        let nodes = self.mesh.sector_panel(panel);
+        for values in &mut values {
+            for (value, node) in values.iter_mut().zip(nodes) {
+                *value += self.rest(node, axis);
+            }
+        }
+        values
     }
 
-    /// A component of the vectors at a sector node, without the translation.
-    fn component(&self, node: usize, axis: usize) -> [T; B] {
-        let reference = self.scale * T::from_f32(self.mesh.sector_reference_component(node, axis));
-        self.modes
-            .dots(3 * node + axis, self.coefficients)
-            .map(|displacement| reference + displacement)
+    /// What a component is without the modes, at a reference node.
+    fn rest(&self, node: &[[u8; 4]; 3], axis: usize) -> T {
+        let component = node.get(axis).copied().unwrap_or_default();
+        let reference = self.scale * T::from_f32(f32::from_le_bytes(component));
+        if axis == 0 {
+            reference + self.translation
+        } else {
+            reference
+        }
+    }
+}
+
+impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
+    /// The vectors of a choice of nodes; returns how many there are.
+    ///
+    /// # Errors
+    /// As [`node`](Self::node); no such node set; a buffer that is too short.
+    pub(crate) fn fill(&self, model: &Model<'_>, nodes: Nodes<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
+        match nodes {
+            Nodes::All => self.fill_all(out),
+            Nodes::Set(name) => {
+                let set = model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
+                let mut walk = self.walk();
+                fill(set.iter(), set.len(), out, |node| walk.node(node))
+            }
+            Nodes::List(list) => fill(list.iter().map(|&node| node.into()), list.len(), out, |node| {
+                self.node(node)
+            }),
+        }
+    }
+
+    /// The vectors of the sector's nodes, as many as `out` holds.
+    ///
+    /// # Errors
+    /// A result that is not finite.
+    pub(crate) fn fill_sector(&self, out: &mut [[T; 3]]) -> Result<(), EvaluateError> {
+        for (panel, out) in out.chunks_mut(LANES).enumerate() {
+            for (out, vector) in out.iter_mut().zip(self.vectors(panel)) {
+                *out = finite(vector)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes every sector node once, in its place of the full mesh, and mirrors it from there.
+    fn fill_all(&self, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
+        let count = self.mesh.nodes();
+        let out = room(out, count)?;
+        let mut sector = self.mesh.sector_nodes().iter();
+        for panel in 0..self.mesh.panels() {
+            for (vector, node) in self.vectors(panel).into_iter().zip(sector.by_ref()) {
+                if let Some(out) = out.get_mut(node) {
+                    *out = finite(vector)?;
+                }
+            }
+        }
+        self.mirror(out);
+        Ok(count)
+    }
+
+    /// Carries the sector's nodes, in their places of the full mesh, to all nodes.
+    fn mirror(&self, out: &mut [[T; 3]]) {
+        let sector = self.mesh.sector_nodes();
+        let signs = |(axis, opposite)| (axis, if opposite { -T::ONE } else { T::ONE });
+        let images: [[(usize, T); 2]; 8] = core::array::from_fn(|operation| images(operation as u8).map(signs));
+        for (node, (representative, operation)) in self.mesh.origins().enumerate() {
+            // Validation found a representative for every node and a full node for every representative.
+            let vector = sector.get(representative).and_then(|origin| out.get(origin));
+            let Some(vector) = vector.copied() else { continue };
+            let [(y, sign_y), (z, sign_z)] = images[usize::from(operation % 8)];
+            if let Some(out) = out.get_mut(node) {
+                *out = [vector[0], sign_y * vector[y % 3], sign_z * vector[z % 3]];
+            }
+        }
+    }
+
+    /// The vectors at the sector's nodes of a panel.
+    fn vectors(&self, panel: usize) -> [[T; 3]; LANES] {
+        let [[x], [y], [z]] = [0, 1, 2].map(|axis| self.panel(panel, axis));
+        core::array::from_fn(|lane| [x[lane], y[lane], z[lane]])
+    }
+
+    /// The vector at a node, wherever it lies.
+    ///
+    /// # Errors
+    /// No such node; a result that is not finite.
+    pub(crate) fn node(&self, node: usize) -> Result<[T; 3], EvaluateError> {
+        let (representative, operation) = self.origin(node)?;
+        let (coefficients, rows) = (self.coefficients.as_flattened(), LANES * self.mesh.panels());
+        let reference = self.mesh.sector_node(representative);
+        let vector = core::array::from_fn(|axis| {
+            let displacement = self.modes.dot(axis * rows + representative, coefficients);
+            displacement + self.rest(&reference, axis)
+        });
+        finite(apply(operation, vector))
     }
 
     /// Sector node and operation of a node.
@@ -64,120 +163,78 @@ impl<T: Real, const B: usize> Snapshot<'_, '_, T, B> {
         })
     }
 
-    /// The vectors of a choice of nodes, those of one instant after those of another; returns how many there are of each.
-    ///
-    /// # Errors
-    /// As [`node`](Self::node); no such node set; a buffer that is too short.
-    pub(crate) fn fill(&self, model: &Model<'_>, nodes: Nodes<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
-        match nodes {
-            Nodes::All => self.fill_all(out),
-            Nodes::Set(name) => {
-                let set = model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
-                self.fill_some(set.iter(), set.len(), out)
-            }
-            Nodes::List(list) => self.fill_some(list.iter().map(|&node| node.into()), list.len(), out),
+    /// Its nodes, one after the other.
+    pub(crate) fn walk(&self) -> Walk<'_, 'a, 's, T> {
+        Walk {
+            field: self,
+            known: [(usize::MAX, [T::ZERO; LANES]); 3],
         }
-    }
-
-    fn fill_some(
-        &self,
-        nodes: impl Iterator<Item = usize>,
-        count: usize,
-        out: &mut [[T; 3]],
-    ) -> Result<usize, EvaluateError> {
-        let out = room(out, B * count)?;
-        for (place, node) in nodes.enumerate() {
-            let (representative, operation) = self.origin(node)?;
-            let vectors = self.sector_node(representative);
-            place_all(out, count, place, vectors.map(|vector| apply(operation, vector)))?;
-        }
-        Ok(count)
-    }
-
-    /// The vectors of the sector's nodes, as many as `out` holds.
-    ///
-    /// # Errors
-    /// A result that is not finite.
-    pub(crate) fn fill_sector(&self, out: &mut [[T; 3]]) -> Result<(), EvaluateError> {
-        let count = out.len() / B;
-        (0..count).try_for_each(|index| place_all(out, count, index, self.sector_node(index)))
-    }
-
-    /// Computes every sector node once, in its place of the full mesh, and mirrors it from there.
-    fn fill_all(&self, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
-        let count = self.mesh.nodes();
-        let out = room(out, B * count)?;
-        let sector = self.mesh.sector_nodes();
-        for (index, node) in sector.iter().enumerate() {
-            place_all(out, count, node, self.sector_node(index))?;
-        }
-        for node in 0..count {
-            let origin = self
-                .mesh
-                .origin(node)
-                .and_then(|(index, operation)| Some((sector.get(index)?, operation)));
-            // Validation found a representative for every node and a full node for every representative.
-            let Some((origin, operation)) = origin else { continue };
-            for frame in out.chunks_exact_mut(count) {
-                if let (Some(vector), Some(out)) = (frame.get(origin).copied(), frame.get_mut(node)) {
-                    *out = apply(operation, vector);
-                }
-            }
-        }
-        Ok(count)
     }
 }
 
-/// Puts the vectors of a node into the frames of the instants, each of `count` nodes.
-fn place_all<T: Real, const B: usize>(
-    out: &mut [[T; 3]],
-    count: usize,
-    place: usize,
-    vectors: [[T; 3]; B],
-) -> Result<(), EvaluateError> {
-    for (b, vector) in vectors.into_iter().enumerate() {
-        if let Some(out) = out.get_mut(b * count + place) {
-            *out = finite(vector)?;
-        }
-    }
-    Ok(())
+/// Nodes one after the other. Those that lie together in the sector, as an outline's do, share panels.
+pub(crate) struct Walk<'f, 'a, 's, T> {
+    field: &'f Snapshot<'a, 's, T>,
+    /// The panel that was computed last, of each component.
+    known: [(usize, Lanes<T>); 3],
 }
 
-impl<T: Real> Snapshot<'_, '_, T> {
-    /// The vector at a node.
+impl<T: Real> Walk<'_, '_, '_, T> {
+    /// A component at a sector node.
+    fn component(&mut self, sector_node: usize, axis: usize) -> T {
+        let panel = sector_node / LANES;
+        let Some((known, lanes)) = self.known.get_mut(axis) else {
+            return T::ZERO;
+        };
+        if *known != panel {
+            [*lanes] = self.field.panel(panel, axis);
+            *known = panel;
+        }
+        lanes[sector_node % LANES]
+    }
+
+    /// The vector at a node: the bits are those of [`Snapshot::node`].
     ///
     /// # Errors
-    /// No such node; a result that is not finite.
-    pub(crate) fn node(&self, node: usize) -> Result<[T; 3], EvaluateError> {
-        let (representative, operation) = self.origin(node)?;
-        let [vector] = self.sector_node(representative);
+    /// As [`Snapshot::node`].
+    fn node(&mut self, node: usize) -> Result<[T; 3], EvaluateError> {
+        let (representative, operation) = self.field.origin(node)?;
+        let vector = [0, 1, 2].map(|axis| self.component(representative, axis));
         finite(apply(operation, vector))
     }
 
     /// A node of an outline as [x, r] with r = sqrt(y^2 + z^2).
     ///
     /// # Errors
-    /// As [`node`](Self::node).
-    pub(crate) fn axial_radial(&self, node: usize, plane: Plane) -> Result<[T; 2], EvaluateError> {
-        let (representative, operation) = self.origin(node)?;
-        let component = |axis| {
-            let [component] = self.component(representative, axis);
-            component
-        };
-        let [translation] = self.translation;
-        let [y, z] = match plane {
-            // The mirror plane holds its nodes: what is across it is 0.
-            Plane::Mirror => [component(if operation & 4 == 0 { 1 } else { 2 }), T::ZERO],
-            Plane::Diagonal => [component(1) * T::from_f64(core::f64::consts::SQRT_2), T::ZERO],
-            Plane::Other => [component(1), component(2)],
-        };
+    /// As [`Snapshot::node`].
+    pub(crate) fn axial_radial(&mut self, node: usize, plane: Plane) -> Result<[T; 2], EvaluateError> {
+        let (representative, operation) = self.field.origin(node)?;
         let radius = match plane {
-            Plane::Other => (y * y + z * z).sqrt(),
-            _ => y.abs(),
+            // The mirror plane holds its nodes: what is across it is 0.
+            Plane::Mirror => self
+                .component(representative, if operation & 4 == 0 { 1 } else { 2 })
+                .abs(),
+            Plane::Diagonal => (self.component(representative, 1) * T::from_f64(core::f64::consts::SQRT_2)).abs(),
+            Plane::Other => {
+                let [y, z] = [1, 2].map(|axis| self.component(representative, axis));
+                (y * y + z * z).sqrt()
+            }
         };
-        let [x, radius, _] = finite([component(0) + translation, radius, T::ZERO])?;
+        let [x, radius, _] = finite([self.component(representative, 0), radius, T::ZERO])?;
         Ok([x, radius])
     }
+}
+
+fn fill<T: Real>(
+    nodes: impl Iterator<Item = usize>,
+    count: usize,
+    out: &mut [[T; 3]],
+    mut vector: impl FnMut(usize) -> Result<[T; 3], EvaluateError>,
+) -> Result<usize, EvaluateError> {
+    for (node, out) in nodes.zip(room(out, count)?) {
+        *out = vector(node)?;
+    }
+    Ok(count)
 }
 
 /// The first `required` entries of a caller's buffer.

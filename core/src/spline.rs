@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::model::MatrixView;
+use crate::motion::Quantity;
 
 /// Functions that are not zero in an interval between knots.
 pub(crate) const ORDER: usize = 4;
@@ -15,6 +16,14 @@ pub(crate) struct Splines<T> {
 }
 
 impl<T: Real> Splines<T> {
+    /// What the controls are multiplied with.
+    pub(crate) fn of(&self, quantity: Quantity) -> [T; ORDER] {
+        match quantity {
+            Quantity::Displacement => self.values,
+            Quantity::Velocity => self.rates,
+        }
+    }
+
     /// The splines of validated knots at t in [0, T].
     pub(crate) fn at(knots: &MatrixView<'_>, t: T) -> Self {
         let knot = |i: usize| T::from_f32(knots.get(i, 0));

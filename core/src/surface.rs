@@ -154,8 +154,7 @@ fn sum<T: Real>(mesh: &Mesh<'_>, contribution: &Contribution<'_, T>) -> Result<T
 fn in_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
     const ON_PLANE: f32 = 1e-6;
     mesh.origin(node).is_some_and(|(sector_node, operation)| {
-        let [y, z] = [1, 2].map(|axis| mesh.sector_reference_component(sector_node, axis));
-        let [_, y, z] = apply(operation, [0.0, y, z]);
+        let [_, y, z] = apply(operation, mesh.sector_reference(sector_node));
         y >= -ON_PLANE && z >= -ON_PLANE
     })
 }

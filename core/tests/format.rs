@@ -116,10 +116,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 5);
-    assert_eq!(newer, OpenError::Version { found: 5, supported: 4 });
+    let newer = open(&|file| file[4] = 6);
+    assert_eq!(newer, OpenError::Version { found: 6, supported: 5 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 4 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 5 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -206,7 +206,7 @@ fn wrong_dimensions_are_refused() {
     let slices = |value| {
         move |c: &mut Contents<'_>| {
             let mut data = c.clusters[1].field.slices.data.to_vec();
-            data[4] = value;
+            data[0] = value;
             c.clusters[1].field.slices.data = data.leak();
         }
     };
@@ -215,7 +215,7 @@ fn wrong_dimensions_are_refused() {
         matches!(more_than_modes, OpenError::Index { what: "slices", .. }),
         "{more_than_modes}"
     );
-    dimension("coarse rows of the core")(refused(slices(1)));
+    dimension("coarse rows of the core")(refused(slices(0)));
 }
 
 #[test]
@@ -386,7 +386,7 @@ fn the_message_is_postcard() {
     contents.metadata.title = "a µ-capsule";
     contents.default_method = Method::Paper;
     contents.clusters[0].field.modes.encoding = Encoding::Columns(Digits { coarse: 300 });
-    contents.clusters[1].field.fine.encoding = Encoding::Rows(Digits { coarse: 0 });
+    contents.clusters[1].field.fine.encoding = Encoding::RowPanels(Digits { coarse: 0 });
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.clusters[0].field.modes.encoding = Encoding::F32;
     contents.clusters[1].field.fine.encoding = Encoding::F32;

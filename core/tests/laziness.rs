@@ -23,8 +23,10 @@ fn operations<R>(work: impl FnOnce() -> R) -> usize {
 
 /// Reads of one node: its row of every mode, and its reference position.
 const NODE: usize = 3 * SHAPE_MODES + 3;
-/// Reads of one control of the splines.
-const CONTROL: usize = (SHAPE_MODES + 1) * FUNCTIONS;
+/// Reads of eight nodes that share a panel, of a component of theirs.
+const PANEL: usize = 8 * (SHAPE_MODES + 1);
+/// Reads of one control of the splines: a panel, and the translation's row.
+const CONTROL: usize = (8 + 1) * FUNCTIONS;
 
 #[test]
 fn a_scene_pays_for_itself_alone() {
@@ -58,14 +60,21 @@ fn a_scene_pays_for_itself_alone() {
     only(again, NODE);
 
     let outline = family.sphere.midplane.len();
+    let only = |found: usize, panels: usize| {
+        let constants = 8 * panels + CONSTANTS;
+        assert!(
+            (panels * PANEL..=panels * PANEL + constants).contains(&found),
+            "{found} {panels}"
+        );
+    };
     only(
         reads(|| instant.positions(&scene(Nodes::Set(MIDPLANE)), &mut buffer).unwrap()),
-        outline * NODE,
+        3 * outline.div_ceil(8),
     );
     let sector = family.sphere.sector_nodes.len();
     only(
         reads(|| instant.positions(&scene(Nodes::All), &mut buffer).unwrap()),
-        sector * NODE,
+        3 * sector.div_ceil(8),
     );
 
     // Observables: the two outlines; nothing more of the velocity than was read for the displacement.

@@ -4,9 +4,9 @@ mod common;
 
 use capsule_core::model::MatrixView;
 use capsule_core::{
-    DIAGONAL, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace,
+    DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Real, Scene,
+    Workspace, playback_room, section,
 };
-use capsule_core::{Domain, section};
 use common::{Family, distance};
 
 const PARAMETERS: [f64; 2] = [0.05, 0.97];
@@ -262,37 +262,66 @@ fn expected_error_is_small_at_a_sample_and_grows_away_from_it() {
     assert_eq!(MatrixView::new(&model.contents().error_times).rows(), 2);
 }
 
-#[test]
-fn several_instants_at_once_have_the_bits_of_each() {
+/// Greatest difference between frames and positions, at instants in an order that jumps, and of two queries in turn.
+fn frames_against_positions<T: Real>(method: Method) -> f64 {
     let family = Family::new(3);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<T>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let mut playback = Playback::new(vec![T::ZERO; playback_room(&model)]);
+    let mut found = vec![[T::ZERO; 3]; family.nodes()];
+    let mut expected = found.clone();
+    let mut greatest = 0.0_f64;
+    for parameters in [PARAMETERS, [0.1, 0.8], PARAMETERS] {
+        evaluator
+            .prepare(&Query::new(parameters.map(T::from_f64), method))
+            .unwrap();
+        for t in [0.0, 0.05, 0.4, 4.0, 3.9, 2.0, 2.05, 2.1, 0.13] {
+            for frame in [Frame::Laboratory, Frame::Centroid] {
+                let (t, nodes) = (T::from_f64(t), Nodes::All);
+                assert_eq!(evaluator.frame(t, frame, &mut playback, &mut found), Ok(family.nodes()));
+                let scene = Scene { nodes, frame };
+                evaluator.at(t).unwrap().positions(&scene, &mut expected).unwrap();
+                for (a, b) in found.as_flattened().iter().zip(expected.as_flattened()) {
+                    greatest = greatest.max((a.to_f64() - b.to_f64()).abs());
+                }
+            }
+        }
+    }
+    greatest
+}
+
+#[test]
+fn frames_are_the_positions_but_for_rounding() {
+    // The capsule has gone 6 l by then: rounding of singles there is 5e-7.
+    assert!(frames_against_positions::<f32>(Method::Direct) < 2e-6);
+    assert!(frames_against_positions::<f64>(Method::Direct) < 4e-15);
+    assert_eq!(frames_against_positions::<f32>(Method::Paper), 0.0);
+}
+
+#[test]
+fn frames_need_room() {
+    let family = Family::new(2);
     let file = family.file();
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let times = [0.0, 0.4, 3.9, 2.0, 2.05, 2.1];
-    let list = [17, 3, 99];
-    for method in [Method::Direct, Method::Paper] {
-        evaluator
-            .prepare(&Query::new(PARAMETERS.map(|x| x as f32), method))
-            .unwrap();
-        for (nodes, count) in [
-            (Nodes::All, family.nodes()),
-            (Nodes::Set(DIAGONAL), family.sphere.diagonal.len()),
-            (Nodes::List(&list), 3),
-        ] {
-            for frame in [Frame::Laboratory, Frame::Centroid] {
-                let scene = Scene { nodes, frame };
-                let mut together = vec![[0.0; 3]; times.len() * count];
-                assert_eq!(evaluator.positions(&times, &scene, &mut together), Ok(count));
-                for (t, found) in times.iter().zip(together.chunks(count)) {
-                    let mut alone = vec![[0.0; 3]; count];
-                    evaluator.at(*t).unwrap().positions(&scene, &mut alone).unwrap();
-                    assert_eq!(found, alone, "{method:?} {t}");
-                }
-                let short = together.len() - 1;
-                let error = evaluator.positions(&times, &scene, &mut together[..short]).unwrap_err();
-                assert!(matches!(error, EvaluateError::BufferTooShort { .. }), "{error}");
-            }
+    let (required, nodes) = (playback_room(&model), family.nodes());
+    let mut out = vec![[0.0; 3]; nodes];
+    let mut frame = |prepared: bool, numbers: usize, t: f32, out: &mut [[f32; 3]]| {
+        if prepared {
+            evaluator.prepare(&Query::new([0.05, 0.97], Method::Direct)).unwrap();
         }
-    }
+        evaluator.frame(t, Frame::Centroid, &mut Playback::new(vec![0.0; numbers]), out)
+    };
+    assert_eq!(frame(false, required, 1.0, &mut out), Err(EvaluateError::NotPrepared));
+    let short = |required, found| Err(EvaluateError::BufferTooShort { required, found });
+    assert_eq!(frame(true, required - 1, 1.0, &mut out), short(required, required - 1));
+    assert_eq!(frame(true, required, 1.0, &mut out[1..]), short(nodes, nodes - 1));
+    assert!(matches!(
+        frame(true, required, 5.0, &mut out),
+        Err(EvaluateError::Value { .. })
+    ));
+    assert_eq!(frame(true, required, 1.0, &mut out), Ok(nodes));
 }

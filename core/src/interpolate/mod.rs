@@ -81,15 +81,36 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 [start, middle]
             };
         }
-        for sample in (start..count).chain((0..start).rev()) {
-            let difference = around.scale() * (place(sample) - around.last());
-            if difference * difference >= nearest.limit() || Some(sample) == left_out {
+        // From there on both ways, the nearer first: soon most are farther than all that are kept.
+        let (scale, own) = (around.scale(), around.last());
+        let along = |sample: usize| {
+            let difference = scale * (place(sample) - own);
+            difference * difference
+        };
+        let none = T::from_f32(f32::INFINITY);
+        let (mut above, mut below) = (start, start);
+        let mut next = [above, below.wrapping_sub(1)].map(|sample| if sample < count { along(sample) } else { none });
+        for _ in 0..count {
+            let [up, down] = &mut next;
+            let (sample, distance) = if below == 0 || (above < count && *up <= *down) {
+                let taken = (above, *up);
+                above += 1;
+                *up = if above < count { along(above) } else { none };
+                taken
+            } else {
+                below -= 1;
+                let taken = (below, *down);
+                *down = if below > 0 { along(below - 1) } else { none };
+                taken
+            };
+            if distance >= nearest.limit() || Some(sample) == left_out {
                 continue;
             }
-            let parameters = core::array::from_fn(|d| {
-                let number = numbers.get(sample * dimensions + d).filter(|_| d < dimensions);
-                number.map_or(T::ZERO, value)
-            });
+            let mut parameters = [T::ZERO; MAX_PARAMETERS];
+            let stored = part(numbers, sample * dimensions..(sample + 1) * dimensions);
+            for (parameter, number) in parameters.iter_mut().zip(stored) {
+                *parameter = value(number);
+            }
             if let Some((square, offset)) = around.offset(parameters, nearest.limit()) {
                 nearest.offer(sample, square, offset);
             }

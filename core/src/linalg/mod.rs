@@ -9,7 +9,7 @@ pub(crate) use qr::{MOST_COLUMNS, Qr, symmetric_times};
 use crate::Real;
 use core::ops::Range;
 
-/// Sums that a product is gathered in.
+/// Numbers that are added side by side.
 pub(crate) const LANES: usize = 8;
 
 /// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
@@ -23,69 +23,68 @@ pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
-/// Dot product of stored entries with a vector of the same length. Entry i goes to lane i mod 8 and the lanes are added in
-/// pairs: wide enough to vectorise, and the same sum whatever the target's vectors are, and however many zeros follow.
+/// lanes <- lanes + a panel times some vectors: the entries of a column times the vectors' entries of its number. Eight rows
+/// lie side by side, so that every target adds them as it can and comes to the same sums.
 #[inline(always)]
-pub(crate) fn dot_by<E: Copy, T: Real>(a: &[E], x: &[T], value: impl Fn(E) -> T) -> T {
+pub(crate) fn add_panel<E: Copy, T: Real, const B: usize>(
+    panel: &[[E; LANES]],
+    x: &[[T; B]],
+    value: impl Fn(E) -> T,
+    lanes: &mut [[T; LANES]; B],
+) {
+    // A copy stays in registers.
+    let mut sums = *lanes;
+    for (entries, x) in panel.iter().zip(x) {
+        for (sums, x) in sums.iter_mut().zip(x) {
+            *sums = add_column(*sums, entries, *x, &value);
+        }
+    }
+    *lanes = sums;
+}
+
+/// lanes + a column times x. Written out, because code that is optimised for size would keep a loop, and the lanes in
+/// memory.
+#[inline(always)]
+fn add_column<E: Copy, T: Real>(
+    [l0, l1, l2, l3, l4, l5, l6, l7]: [T; LANES],
+    [a0, a1, a2, a3, a4, a5, a6, a7]: &[E; LANES],
+    x: T,
+    value: &impl Fn(E) -> T,
+) -> [T; LANES] {
+    [
+        l0 + value(*a0) * x,
+        l1 + value(*a1) * x,
+        l2 + value(*a2) * x,
+        l3 + value(*a3) * x,
+        l4 + value(*a4) * x,
+        l5 + value(*a5) * x,
+        l6 + value(*a6) * x,
+        l7 + value(*a7) * x,
+    ]
+}
+
+/// Dot product of two vectors. Entry i goes to lane i mod 8 and the lanes are added in pairs: wide enough to vectorise, and
+/// the same sum whatever the target's vectors are, and however many zeros follow.
+pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     let mut lanes = [T::ZERO; LANES];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (x_chunks, x_rest) = x.as_chunks::<LANES>();
     for (a, x) in a_chunks.iter().zip(x_chunks) {
-        lanes = add_products(lanes, values(a, &value), *x);
+        lanes = add_products(lanes, *a, *x);
     }
     if !a_rest.is_empty() {
-        lanes = add_products(lanes, padded(a_rest, &value), padded(x_rest, &|x| x));
+        lanes = add_products(lanes, padded(a_rest), padded(x_rest));
     }
-    sum(lanes)
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-/// As [`dot_by`], with some vectors in one pass over the entries.
-#[inline(always)]
-pub(crate) fn dots_by<E: Copy, T: Real, const B: usize>(a: &[E], x: [&[T]; B], value: impl Fn(E) -> T) -> [T; B] {
-    if B == 1 {
-        return x.map(|x| dot_by(a, x, &value));
-    }
-    let mut lanes = [[T::ZERO; LANES]; B];
-    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
-    let (x_chunks, x_rest) = (x.map(|x| x.as_chunks::<LANES>().0), x.map(|x| x.as_chunks::<LANES>().1));
-    for (i, a) in a_chunks.iter().enumerate() {
-        let values = values(a, &value);
-        for (lanes, x) in lanes.iter_mut().zip(&x_chunks) {
-            let Some(x) = x.get(i) else { continue };
-            *lanes = add_products(*lanes, values, *x);
-        }
-    }
-    if !a_rest.is_empty() {
-        let values = padded(a_rest, &value);
-        for (lanes, x) in lanes.iter_mut().zip(x_rest) {
-            *lanes = add_products(*lanes, values, padded(x, &|x| x));
-        }
-    }
-    lanes.map(sum)
+/// Fewer than eight entries, and zeros.
+fn padded<T: Real>(entries: &[T]) -> [T; LANES] {
+    core::array::from_fn(|i| entries.get(i).copied().unwrap_or(T::ZERO))
 }
 
-/// The values of eight entries.
-#[inline(always)]
-fn values<E: Copy, T: Real>([a, b, c, d, e, f, g, h]: &[E; LANES], value: &impl Fn(E) -> T) -> [T; LANES] {
-    [
-        value(*a),
-        value(*b),
-        value(*c),
-        value(*d),
-        value(*e),
-        value(*f),
-        value(*g),
-        value(*h),
-    ]
-}
-
-/// The values of fewer than eight entries, and zeros.
-fn padded<E: Copy, T: Real>(entries: &[E], value: &impl Fn(E) -> T) -> [T; LANES] {
-    core::array::from_fn(|i| entries.get(i).map_or(T::ZERO, |entry| value(*entry)))
-}
-
-/// lanes + a x, lane by lane. Written out, because code that is optimised for size would keep a loop, and the lanes in
-/// memory.
+/// lanes + a x, lane by lane.
 #[inline(always)]
 fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LANES]) -> [T; LANES] {
     let [l0, l1, l2, l3, l4, l5, l6, l7] = lanes;
@@ -103,16 +102,6 @@ fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LANES]) -> [T;
     ]
 }
 
-/// The sum of the lanes.
-fn sum<T: Real>([a, b, c, d, e, f, g, h]: [T; LANES]) -> T {
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
-}
-
-/// Dot product of two vectors.
-pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
-    dot_by(a, x, |value| value)
-}
-
 /// Dot product of two short vectors, in order: lanes pay for themselves from a few dozen entries on.
 pub(crate) fn dot_in_order<T: Real>(a: &[T], x: &[T]) -> T {
     a.iter().zip(x).fold(T::ZERO, |sum, (a, x)| sum + *a * *x)
@@ -120,8 +109,14 @@ pub(crate) fn dot_in_order<T: Real>(a: &[T], x: &[T]) -> T {
 
 /// y <- y + factor times stored entries.
 pub(crate) fn add_by<E: Copy, T: Real>(y: &mut [T], factor: T, entries: &[E], value: impl Fn(E) -> T) {
-    for (y, entry) in y.iter_mut().zip(entries) {
-        *y += factor * value(*entry);
+    let count = y.len().min(entries.len());
+    let (y, y_rest) = part_mut(y, 0..count).as_chunks_mut::<LANES>();
+    let (entries, rest) = part(entries, 0..count).as_chunks::<LANES>();
+    for (y, entries) in y.iter_mut().zip(entries) {
+        *y = add_column(*y, entries, factor, &value);
+    }
+    for (y, entry) in y_rest.iter_mut().zip(rest) {
+        *y += value(*entry) * factor;
     }
 }
 

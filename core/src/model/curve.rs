@@ -1,30 +1,31 @@
 //! Curves of the parameter plane: a capillary number for each confinement.
 
-use super::matrix::MatrixView;
 use super::wire::Matrix;
 use crate::Real;
 
 /// Points (a/l, Ca) by rising a/l, joined by lines.
 #[derive(Clone, Copy, Debug)]
-pub struct Curve<'a>(MatrixView<'a>);
+pub struct Curve<'a>(&'a [[[u8; 4]; 2]]);
 
 impl<'a> Curve<'a> {
-    /// A view of rows (a/l, Ca).
+    /// A view of rows (a/l, Ca) of singles.
     pub fn new(points: &Matrix<'a>) -> Self {
-        Self(MatrixView::new(points))
+        Self(points.blob.data.as_chunks().0.as_chunks().0)
     }
 
     fn point<T: Real>(&self, row: usize) -> [T; 2] {
-        [0, 1].map(|column| T::from_f32(self.0.get(row, column)))
+        let point = self.0.get(row).copied().unwrap_or_default();
+        point.map(|bytes| T::from_f32(f32::from_le_bytes(bytes)))
     }
 
     fn abscissa<T: Real>(&self, row: usize) -> T {
-        T::from_f32(self.0.get(row, 0))
+        let [abscissa, _] = self.point(row);
+        abscissa
     }
 
     /// The capillary number at a confinement, constant beyond the ends; none if there is no point.
     pub fn at<T: Real>(&self, confinement: T) -> Option<T> {
-        let (mut low, mut high) = (0, self.0.rows().checked_sub(1)?);
+        let (mut low, mut high) = (0, self.0.len().checked_sub(1)?);
         while high - low > 1 {
             let middle = (low + high) / 2;
             let before = confinement < self.abscissa(middle);
@@ -42,7 +43,7 @@ impl<'a> Curve<'a> {
 
     /// As [`at`](Self::at), but none where the curve does not reach.
     pub fn within<T: Real>(&self, confinement: T) -> Option<T> {
-        let last = self.0.rows().checked_sub(1)?;
+        let last = self.0.len().checked_sub(1)?;
         let reaches = confinement >= self.abscissa(0) && confinement <= self.abscissa(last);
         if reaches { self.at(confinement) } else { None }
     }

@@ -2,9 +2,9 @@
 
 use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{add_by, dots_by, part};
+use crate::linalg::{LANES, add_by, add_panel, part};
 
-/// A stored matrix, row-major; the bytes need not be aligned.
+/// A stored matrix; the bytes need not be aligned.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixView<'a> {
     rows: usize,
@@ -16,11 +16,36 @@ pub struct MatrixView<'a> {
 #[derive(Clone, Copy, Debug)]
 enum Entries<'a> {
     Singles(&'a [[u8; 4]]),
-    /// Rows of `coarse` integers of two bytes, then of one.
-    Integers {
-        coarse: usize,
-        bytes: &'a [u8],
-    },
+    Rows(Integers<'a>),
+    Panels(Integers<'a>),
+}
+
+/// Rows, or panels, of `coarse` columns of two bytes and then of one.
+#[derive(Clone, Copy, Debug)]
+struct Integers<'a> {
+    coarse: usize,
+    bytes: &'a [u8],
+}
+
+impl<'a> Integers<'a> {
+    /// Row number `row` of `columns`.
+    fn row(&self, row: usize, columns: usize) -> (&'a [[u8; 2]], &'a [u8]) {
+        let (shorts, small) = self.split(row, columns + self.coarse, 2 * self.coarse);
+        (shorts.as_chunks().0, small)
+    }
+
+    /// Panel number `panel` of `columns`.
+    fn panel(&self, panel: usize, columns: usize) -> (&'a [[[u8; 2]; LANES]], &'a [[u8; LANES]]) {
+        let length = LANES * (columns + self.coarse);
+        let (shorts, small) = self.split(panel, length, 2 * LANES * self.coarse);
+        (shorts.as_chunks().0.as_chunks().0, small.as_chunks().0)
+    }
+
+    /// Part number `number` of the bytes, all of this length, in two.
+    fn split(&self, number: usize, length: usize, middle: usize) -> (&'a [u8], &'a [u8]) {
+        let part = part(self.bytes, number * length..(number + 1) * length);
+        part.split_at_checked(middle).unwrap_or_default()
+    }
 }
 
 /// What the entries are multiples of.
@@ -53,19 +78,20 @@ impl<'a> MatrixView<'a> {
         let [rows, columns] = [matrix.rows, matrix.columns].map(|count| count as usize);
         let units = match matrix.encoding {
             Encoding::F32 => 0,
-            Encoding::Columns(_) => columns,
-            Encoding::Rows(_) => rows,
+            Encoding::Columns(_) | Encoding::ColumnPanels(_) => columns,
+            Encoding::RowPanels(_) => rows,
         };
         let (units, data) = matrix.blob.data.split_at_checked(4 * units).unwrap_or_default();
         let units = units.as_chunks().0;
-        let integers = |digits: Digits| Entries::Integers {
+        let integers = |digits: Digits| Integers {
             coarse: digits.coarse.into(),
             bytes: data,
         };
         let (units, entries) = match matrix.encoding {
             Encoding::F32 => (Units::One, Entries::Singles(data.as_chunks().0)),
-            Encoding::Columns(digits) => (Units::OfColumns(units), integers(digits)),
-            Encoding::Rows(digits) => (Units::OfRows(units), integers(digits)),
+            Encoding::Columns(digits) => (Units::OfColumns(units), Entries::Rows(integers(digits))),
+            Encoding::ColumnPanels(digits) => (Units::OfColumns(units), Entries::Panels(integers(digits))),
+            Encoding::RowPanels(digits) => (Units::OfRows(units), Entries::Panels(integers(digits))),
         };
         Self {
             rows,
@@ -87,28 +113,38 @@ impl<'a> MatrixView<'a> {
 
     /// Entry (row, column); 0 outside.
     pub fn get(&self, row: usize, column: usize) -> f32 {
-        if column >= self.columns {
-            return 0.0;
-        }
-        let entry = match self.entries {
-            Entries::Singles(entries) => entries
-                .get(row * self.columns + column)
-                .copied()
-                .map(f32::from_le_bytes),
-            Entries::Integers { coarse, bytes } => {
-                let (shorts, small) = integers(bytes, row, self.columns, coarse);
-                match column.checked_sub(coarse) {
-                    None => shorts.get(column).copied().map(short),
-                    Some(place) => small.get(place).copied().map(self::small),
-                }
-            }
-        };
         let unit = match self.units {
             Units::One => Some(1.0),
             Units::OfColumns(_) => self.units.of_column(column),
             Units::OfRows(_) => self.units.of_row(row),
         };
-        entry.zip(unit).map_or(0.0, |(entry, unit)| entry * unit)
+        self.entry(row, column) * unit.unwrap_or(0.0)
+    }
+
+    /// Entry (row, column) in its unit; 0 outside.
+    fn entry(&self, row: usize, column: usize) -> f32 {
+        if row >= self.rows || column >= self.columns {
+            return 0.0;
+        }
+        let integer = |shorts: Option<[u8; 2]>, small: Option<u8>| shorts.map(short).or(small.map(self::small));
+        let entry = match self.entries {
+            Entries::Singles(entries) => entries
+                .get(row * self.columns + column)
+                .copied()
+                .map(f32::from_le_bytes),
+            Entries::Rows(integers) => {
+                let (shorts, small) = integers.row(row, self.columns);
+                let place = column.wrapping_sub(integers.coarse);
+                integer(shorts.get(column).copied(), small.get(place).copied())
+            }
+            Entries::Panels(integers) => {
+                let (shorts, small) = integers.panel(row / LANES, self.columns);
+                let place = column.wrapping_sub(integers.coarse);
+                let lane = row % LANES;
+                integer(shorts.get(column).map(|c| c[lane]), small.get(place).map(|c| c[lane]))
+            }
+        };
+        entry.unwrap_or(0.0)
     }
 
     /// The first entry that does not lie within bounds, by its number and value. Where all that can be said in a unit lies
@@ -143,7 +179,7 @@ impl<'a> MatrixView<'a> {
         (0..self.rows).map(move |row| [0, 1].map(|column| T::from_f32(self.get(row, column))))
     }
 
-    /// x <- x times the units of the columns, where they have any: [`dot`](Self::dot) takes such vectors.
+    /// x <- x times the units of the columns, where they have any: products take such vectors.
     pub(crate) fn scale<T: Real>(&self, x: &mut [T]) {
         for (column, x) in x.iter_mut().enumerate() {
             if let Some(unit) = self.units.of_column(column) {
@@ -152,48 +188,62 @@ impl<'a> MatrixView<'a> {
         }
     }
 
-    /// Row times a [scaled](Self::scale) vector, over as many columns as the vector has.
+    /// Row times a [scaled](Self::scale) vector, over as many columns as the vector has. The bits are those of its
+    /// [panel](Self::panel).
     pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
-        let [dot] = self.dots(row, [x]);
-        dot
-    }
-
-    /// Row times some [scaled](Self::scale) vectors of the same length, in one pass over the row.
-    pub(crate) fn dots<T: Real, const B: usize>(&self, row: usize, x: [&[T]; B]) -> [T; B] {
-        let columns = x.first().map_or(0, |x| x.len());
-        let sums = match self.entries {
+        let sum = match self.entries {
+            Entries::Panels(integers) => {
+                let (shorts, small) = integers.panel(row / LANES, self.columns);
+                let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
+                let lane = row % LANES;
+                let shorts = shorts.iter().map(|column| short(column[lane])).zip(leading);
+                let small = small.iter().map(|column| self::small(column[lane])).zip(trailing);
+                let sum = shorts.fold(T::ZERO, |sum, (entry, x)| sum + T::from_f32(entry) * *x);
+                small.fold(sum, |sum, (entry, x)| sum + T::from_f32(entry) * *x)
+            }
             Entries::Singles(entries) => {
                 let start = row * self.columns;
-                let entries = part(entries, start..start + columns);
-                dots_by(entries, x, |entry| T::from_f32(f32::from_le_bytes(entry)))
+                let entries = part(entries, start..start + x.len()).iter().zip(x);
+                entries.fold(T::ZERO, |sum, (entry, x)| {
+                    sum + T::from_f32(f32::from_le_bytes(*entry)) * *x
+                })
             }
-            Entries::Integers { coarse, bytes } => {
-                let (shorts, small) = integers(bytes, row, self.columns, coarse);
-                let middle = coarse.min(columns);
-                let leading = x.map(|x| part(x, 0..middle));
-                let mut sums = dots_by(part(shorts, 0..middle), leading, |entry| T::from_f32(short(entry)));
-                if middle < columns {
-                    let trailing = x.map(|x| part(x, middle..columns));
-                    let small = part(small, 0..columns - middle);
-                    let rest = dots_by(small, trailing, |entry| T::from_f32(self::small(entry)));
-                    for (sum, rest) in sums.iter_mut().zip(rest) {
-                        *sum += rest;
-                    }
-                }
-                sums
+            Entries::Rows(_) => {
+                let entries = x.iter().enumerate();
+                entries.fold(T::ZERO, |sum, (column, x)| {
+                    sum + T::from_f32(self.entry(row, column)) * *x
+                })
             }
         };
-        match self.units.of_row(row) {
-            Some(unit) => sums.map(|sum| sum * T::from_f32(unit)),
-            None => sums,
-        }
+        self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
     }
 
-    /// out <- the rows from `first` on times a [scaled](Self::scale) vector, as many as `out` holds.
-    pub(crate) fn multiply<T: Real>(&self, first: usize, x: &[T], out: &mut [T]) {
-        for (row, out) in out.iter_mut().enumerate() {
-            *out = self.dot(first + row, x);
+    /// The eight rows of a panel times some [scaled](Self::scale) vectors, over as many columns as these have; `x` holds
+    /// the vectors' first entries, then their second ones ...
+    #[inline(never)]
+    pub(crate) fn panel<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]]) -> [[T; LANES]; B] {
+        let mut sums = [[T::ZERO; LANES]; B];
+        if let Entries::Panels(integers) = self.entries {
+            let (shorts, small) = integers.panel(panel, self.columns);
+            let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
+            add_panel(shorts, leading, |entry| T::from_f32(short(entry)), &mut sums);
+            add_panel(small, trailing, |entry| T::from_f32(self::small(entry)), &mut sums);
+        } else {
+            for (column, x) in x.iter().enumerate() {
+                let entries = core::array::from_fn(|lane| self.entry(LANES * panel + lane, column));
+                add_panel(&[entries], &[*x], T::from_f32, &mut sums);
+            }
         }
+        if let Units::OfRows(_) = self.units {
+            let units: [T; LANES] = core::array::from_fn(|lane| {
+                let unit = self.units.of_row(LANES * panel + lane);
+                T::from_f32(unit.unwrap_or(0.0))
+            });
+            for sums in &mut sums {
+                sums.iter_mut().zip(units).for_each(|(sum, unit)| *sum *= unit);
+            }
+        }
+        sums
     }
 
     /// out <- the sum of rows times factors.
@@ -207,24 +257,21 @@ impl<'a> MatrixView<'a> {
                     let entries = part(entries, start..start + out.len());
                     add_by(out, factor, entries, |entry| T::from_f32(f32::from_le_bytes(entry)));
                 }
-                Entries::Integers { coarse, bytes } => {
-                    let (shorts, small) = integers(bytes, row, self.columns, coarse);
-                    let (leading, trailing) = out.split_at_mut(coarse.min(out.len()));
+                Entries::Rows(integers) => {
+                    let (shorts, small) = integers.row(row, self.columns);
+                    let (leading, trailing) = out.split_at_mut(integers.coarse.min(out.len()));
                     add_by(leading, factor, shorts, |entry| T::from_f32(short(entry)));
                     add_by(trailing, factor, small, |entry| T::from_f32(self::small(entry)));
+                }
+                Entries::Panels(_) => {
+                    for (column, out) in out.iter_mut().enumerate() {
+                        *out += factor * T::from_f32(self.entry(row, column));
+                    }
                 }
             }
         }
         self.scale(out);
     }
-}
-
-/// The integers of a row: of two bytes, then of one.
-fn integers(bytes: &[u8], row: usize, columns: usize, coarse: usize) -> (&[[u8; 2]], &[u8]) {
-    let length = columns + coarse;
-    let row = part(bytes, row * length..(row + 1) * length);
-    let (shorts, small) = row.split_at_checked(2 * coarse).unwrap_or_default();
-    (shorts.as_chunks().0, small)
 }
 
 fn short(bytes: [u8; 2]) -> f32 {
@@ -276,106 +323,117 @@ impl<'a> Indices<'a> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
+    use std::vec::Vec;
 
-    #[test]
-    fn integers_read_in_the_units_of_their_columns() {
-        let (units, integers) = ([0.5_f32, 1e-3], [3_i16, -2000, -32767, 7, 0, 1]);
-        let mut bytes = [0_u8; 20];
-        for (bytes, unit) in bytes.chunks_exact_mut(4).zip(units) {
-            bytes.copy_from_slice(&unit.to_le_bytes());
+    const ROWS: usize = 11;
+    const COLUMNS: usize = 5;
+    const DIGITS: Digits = Digits { coarse: 2 };
+    const ENCODINGS: [Encoding; 3] = [
+        Encoding::Columns(DIGITS),
+        Encoding::ColumnPanels(DIGITS),
+        Encoding::RowPanels(DIGITS),
+    ];
+
+    /// An integer of two bytes in the first two columns, of one in the others.
+    fn integer(row: usize, column: usize) -> i16 {
+        let any = (row * 7919 + column * 104_729 + 13) % 65_521;
+        if column < 2 {
+            (any as i32 - 32_760) as i16
+        } else {
+            (any % 256) as i16 - 128
         }
-        for (bytes, integer) in bytes[8..].chunks_exact_mut(2).zip(integers) {
-            bytes.copy_from_slice(&integer.to_le_bytes());
-        }
-        let view = MatrixView::new(&Matrix::new(3, 2, Encoding::Columns(Digits { coarse: 2 }), &bytes));
-        let expected = [[1.5, -2.0], [-16383.5, 7e-3], [0.0, 1e-3]];
-        let (mut x, mut found) = ([2.0, 10.0], [0.0_f64; 3]);
-        view.scale(&mut x);
-        view.multiply(0, &x, &mut found);
-        for (row, [a, b]) in expected.into_iter().enumerate() {
-            assert_eq!([view.get(row, 0), view.get(row, 1)], [a, b]);
-            assert!((found[row] - f64::from(2.0 * a + 10.0 * b)).abs() < 1e-3);
-        }
-        assert_eq!((view.get(3, 0), view.get(0, 2)), (0.0, 0.0));
-        let mut sum = [0.0_f64; 2];
-        view.combine([(0, 2.0), (2, -1.0)].into_iter(), &mut sum);
-        assert!((sum[0] - 3.0).abs() < 1e-6 && (sum[1] + 4.001).abs() < 1e-6, "{sum:?}");
     }
 
-    #[test]
-    fn a_row_has_integers_of_two_bytes_and_then_of_one() {
-        // 300, -2, 100 | -5, 7, -128 in units of 0.5, 1, 2.
-        let mut bytes = [0_u8; 20];
-        for (bytes, unit) in bytes.chunks_exact_mut(4).zip([0.5_f32, 1.0, 2.0]) {
-            bytes.copy_from_slice(&unit.to_le_bytes());
-        }
-        bytes[12..].copy_from_slice(&[44, 1, 254, 100, 251, 255, 7, 128]);
-        let view = MatrixView::new(&Matrix::new(2, 3, Encoding::Columns(Digits { coarse: 1 }), &bytes));
-        let rows = [[150.0, -2.0, 200.0], [-2.5, 7.0, -256.0]];
-        for (row, entries) in rows.iter().enumerate() {
-            assert_eq!([0, 1, 2].map(|column| view.get(row, column)), *entries);
-            for columns in 1..=3 {
-                let mut x = [3.0_f64, -1.0, 0.5];
-                let exact: f64 = (0..columns).map(|k| x[k] * f64::from(entries[k])).sum();
-                view.scale(&mut x);
-                assert_eq!(view.dots(row, [&x[..columns], &x[..columns]]), [exact; 2]);
+    fn unit(i: usize) -> f32 {
+        0.5_f32.powi(i as i32 % 4) * 0.25
+    }
+
+    /// The matrix in an encoding, and its entries.
+    fn stored(encoding: Encoding) -> (Vec<u8>, [[f64; COLUMNS]; ROWS]) {
+        let of_rows = matches!(encoding, Encoding::RowPanels(_));
+        let height = if matches!(encoding, Encoding::Columns(_)) {
+            1
+        } else {
+            LANES
+        };
+        let units = 0..if of_rows { ROWS } else { COLUMNS };
+        let mut bytes: Vec<u8> = units.flat_map(|i| unit(i).to_le_bytes()).collect();
+        for first in (0..ROWS).step_by(height) {
+            for column in 0..COLUMNS {
+                for row in first..first + height {
+                    let entry = if row < ROWS { integer(row, column) } else { 0 };
+                    let width = if column < 2 { 2 } else { 1 };
+                    bytes.extend(&entry.to_le_bytes()[..width]);
+                }
             }
         }
-        let mut sum = [0.0_f64; 3];
-        view.combine([(0, 1.0), (1, 2.0)].into_iter(), &mut sum);
-        assert_eq!(sum, [145.0, 12.0, -312.0]);
+        let entry = |row, column| f64::from(integer(row, column)) * f64::from(unit(if of_rows { row } else { column }));
+        let entries = core::array::from_fn(|row| core::array::from_fn(|column| entry(row, column)));
+        (bytes, entries)
+    }
+
+    fn view(encoding: Encoding, bytes: &[u8]) -> MatrixView<'_> {
+        MatrixView::new(&Matrix::new(ROWS as u32, COLUMNS as u32, encoding, bytes))
     }
 
     #[test]
-    fn integers_read_in_the_units_of_their_rows() {
-        let mut bytes = [0_u8; 14];
-        bytes[..4].copy_from_slice(&0.5_f32.to_le_bytes());
-        bytes[4..8].copy_from_slice(&2.0_f32.to_le_bytes());
-        let small = [3_i8, -128, 127, -1, 0, 5];
-        bytes[8..].copy_from_slice(&small.map(i8::cast_unsigned));
-        let view = MatrixView::new(&Matrix::new(2, 3, Encoding::Rows(Digits { coarse: 0 }), &bytes));
-        assert_eq!([view.get(0, 1), view.get(1, 2), view.get(2, 0)], [-64.0, 10.0, 0.0]);
-        let mut found = [0.0_f32; 2];
-        view.multiply(0, &[1.0, 0.0, 2.0], &mut found);
-        assert_eq!(found, [1.5 + 127.0, -2.0 + 20.0]);
-        view.multiply(0, &[1.0, 1.0], &mut found);
-        assert_eq!(found, [1.5 - 64.0, -2.0], "the leading columns");
-        let mut sum = [0.0_f32; 3];
-        view.combine([(1, 0.5)].into_iter(), &mut sum);
-        assert_eq!(sum, [-1.0, 0.0, 5.0]);
+    fn entries_and_products_are_the_same_however_they_are_stored() {
+        for encoding in ENCODINGS {
+            let (bytes, entries) = stored(encoding);
+            let view = view(encoding, &bytes);
+            for columns in 0..=COLUMNS {
+                let vectors: [Vec<f64>; 3] = [0.5, -3.0, 1e-3].map(|first| {
+                    let mut x: Vec<f64> = (0..columns).map(|k| first + k as f64).collect();
+                    view.scale(&mut x);
+                    x
+                });
+                let plain: [Vec<f64>; 3] =
+                    [0.5, -3.0, 1e-3].map(|first| (0..columns).map(|k| first + k as f64).collect());
+                let interleaved: Vec<[f64; 3]> = (0..columns).map(|k| vectors.each_ref().map(|x| x[k])).collect();
+                for panel in 0..2 {
+                    let together = view.panel(panel, &interleaved);
+                    for lane in 0..LANES {
+                        let row = LANES * panel + lane;
+                        for b in 0..3 {
+                            let exact: f64 = entries.get(row).map_or(0.0, |entries| {
+                                entries.iter().zip(&plain[b]).map(|(entry, x)| entry * x).sum()
+                            });
+                            let [alone] = view.panel(panel, vectors[b].as_chunks::<1>().0);
+                            assert!((together[b][lane] - exact).abs() <= 1e-9, "{encoding:?} {row}");
+                            assert_eq!([alone[lane], view.dot(row, &vectors[b])], [together[b][lane]; 2]);
+                        }
+                    }
+                }
+                let mut sum = std::vec![0.0_f64; columns];
+                view.combine([(0, 2.0), (9, -1.0)].into_iter(), &mut sum);
+                for (column, sum) in sum.iter().enumerate() {
+                    let exact = 2.0 * entries[0][column] - entries[9][column];
+                    assert!((sum - exact).abs() < 1e-9, "{encoding:?} {column}");
+                }
+            }
+            for row in 0..ROWS + 6 {
+                for column in 0..COLUMNS + 1 {
+                    let entry = entries.get(row).and_then(|row| row.get(column));
+                    assert_eq!(f64::from(view.get(row, column)), *entry.unwrap_or(&0.0));
+                }
+            }
+        }
     }
 
     #[test]
     fn an_entry_out_of_bounds_is_found_whatever_its_unit() {
-        let first = |encoding, bytes: &[u8]| MatrixView::new(&Matrix::new(2, 2, encoding, bytes)).outside(-10.0, 10.0);
-        let file = |units: [f32; 2], integers: &[u8]| {
-            let mut bytes = [0; 16];
-            bytes[..4].copy_from_slice(&units[0].to_le_bytes());
-            bytes[4..8].copy_from_slice(&units[1].to_le_bytes());
-            bytes[8..8 + integers.len()].copy_from_slice(integers);
-            bytes
-        };
-        let [two, one] = [2, 0].map(|coarse| Digits { coarse });
-        let shorts = [1, 0, 2, 0, 3, 0, 4, 0];
-        for encoding in [Encoding::Columns(two), Encoding::Rows(two)] {
-            assert_eq!(first(encoding, &file([1e-4, 1e-4], &shorts)), None);
-            // The unit could carry more than there is.
-            assert_eq!(first(encoding, &file([1.0, 1.0], &shorts)), None);
-            assert!(first(encoding, &file([1.0, f32::NAN], &shorts)).is_some());
+        for encoding in ENCODINGS {
+            let (mut bytes, entries) = stored(encoding);
+            let greatest = entries.as_flattened().iter().fold(0.0, |a: f64, x| a.max(x.abs())) as f32;
+            let outside = |bytes: &[u8], bound: f32| view(encoding, bytes).outside(-bound, bound);
+            // The units could carry more than there is.
+            assert_eq!(outside(&bytes, greatest), None);
+            let (index, value) = outside(&bytes, 0.999 * greatest).unwrap();
+            assert_eq!(f64::from(value), entries[index / COLUMNS][index % COLUMNS]);
+            bytes[4..8].copy_from_slice(&f32::NAN.to_le_bytes());
+            assert!(outside(&bytes, 1e9).is_some());
         }
-        assert_eq!(
-            first(Encoding::Columns(two), &file([4.0, 1.0], &shorts)),
-            Some((2, 12.0))
-        );
-        assert_eq!(first(Encoding::Rows(two), &file([1.0, 4.0], &shorts)), Some((2, 12.0)));
-        assert_eq!(
-            first(Encoding::Rows(one), &file([0.01, 4.0], &[127, 1, 2, 253])[..12]),
-            Some((3, -12.0))
-        );
-        assert_eq!(
-            first(Encoding::Rows(one), &file([0.01, 4.0], &[127, 1, 2, 2])[..12]),
-            None
-        );
     }
 }

@@ -1,9 +1,17 @@
 //! The surface mesh and the symmetry of the square duct.
 
-use super::matrix::{Indices, MatrixView};
+use super::matrix::Indices;
 use super::wire;
+use crate::linalg::LANES;
 
-/// Carries a vector from its sector node to a node: swap y and z (bit 2), then y -> -y (bit 0) and z -> -z (bit 1).
+/// Of which components of the sector node's vector the y and the z of a node are, and whether with the opposite sign: swap y
+/// and z (bit 2), then y -> -y (bit 0) and z -> -z (bit 1).
+pub(crate) fn images(operation: u8) -> [(usize, bool); 2] {
+    let [y, z] = if operation & 4 == 0 { [1, 2] } else { [2, 1] };
+    [(y, operation & 1 != 0), (z, operation & 2 != 0)]
+}
+
+/// Carries a vector from its sector node to a node.
 pub(crate) fn apply<T: Copy + core::ops::Neg<Output = T>>(operation: u8, [x, y, z]: [T; 3]) -> [T; 3] {
     let (y, z) = if operation & 4 == 0 { (y, z) } else { (z, y) };
     [
@@ -22,7 +30,7 @@ pub struct Mesh<'a> {
     nodes: usize,
     element_nodes: usize,
     elements: Indices<'a>,
-    sector_reference: MatrixView<'a>,
+    sector_reference: &'a [[[u8; 4]; 3]],
     sector_nodes: Indices<'a>,
     representative: Indices<'a>,
     operation: &'a [u8],
@@ -34,7 +42,7 @@ impl<'a> Mesh<'a> {
             nodes: mesh.nodes as usize,
             element_nodes: mesh.element_nodes.into(),
             elements: Indices::new(&mesh.elements),
-            sector_reference: MatrixView::new(&mesh.sector_reference),
+            sector_reference: mesh.sector_reference.blob.data.as_chunks().0.as_chunks().0,
             sector_nodes: Indices::new(&mesh.sector_nodes),
             representative: Indices::new(&mesh.representative),
             operation: mesh.operation.data,
@@ -79,14 +87,29 @@ impl<'a> Mesh<'a> {
         Some((self.representative.get(node)?, *self.operation.get(node)?))
     }
 
-    /// Reference position of a sector node, see [`wire::Reference`].
-    pub fn sector_reference(&self, sector_node: usize) -> [f32; 3] {
-        core::array::from_fn(|axis| self.sector_reference.get(sector_node, axis))
+    /// Those of all full nodes.
+    pub(crate) fn origins(&self) -> impl Iterator<Item = (usize, u8)> + use<'a> {
+        self.representative.iter().zip(self.operation.iter().copied())
     }
 
-    /// One component of it.
-    pub(crate) fn sector_reference_component(&self, sector_node: usize, axis: usize) -> f32 {
-        self.sector_reference.get(sector_node, axis)
+    /// Panels of eight that the sector's nodes fill.
+    pub(crate) fn panels(&self) -> usize {
+        self.sector_nodes.len().div_ceil(LANES)
+    }
+
+    /// Reference position of a sector node, see [`wire::Reference`]; 0 where there is none.
+    pub fn sector_reference(&self, sector_node: usize) -> [f32; 3] {
+        self.sector_node(sector_node).map(f32::from_le_bytes)
+    }
+
+    /// The same as it is stored.
+    pub(crate) fn sector_node(&self, sector_node: usize) -> [[u8; 4]; 3] {
+        self.sector_reference.get(sector_node).copied().unwrap_or_default()
+    }
+
+    /// Those of a panel, as they are stored.
+    pub(crate) fn sector_panel(&self, panel: usize) -> &'a [[[u8; 4]; 3]] {
+        self.sector_reference.chunks(LANES).nth(panel).unwrap_or_default()
     }
 
     /// Reference position of a full node, if there is such a node.

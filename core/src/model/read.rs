@@ -193,14 +193,14 @@ impl<'a> Part<'a> for Encoding {
     fn read(&mut self, from: &mut Cursor<'a>) {
         *self = match from.integer(32) {
             0 => Self::F32,
-            variant @ (1 | 2) => {
+            variant @ 1..=3 => {
                 let mut coarse = 0;
                 coarse.read(from);
                 let digits = Digits { coarse };
-                if variant == 1 {
-                    Self::Columns(digits)
-                } else {
-                    Self::Rows(digits)
+                match variant {
+                    1 => Self::Columns(digits),
+                    2 => Self::ColumnPanels(digits),
+                    _ => Self::RowPanels(digits),
                 }
             }
             _ => return from.spoil(),

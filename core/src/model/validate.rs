@@ -4,6 +4,7 @@ use super::matrix::{Indices, MatrixView};
 use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Mesh, NodeSet, Reference};
 use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
+use crate::linalg::LANES;
 
 /// Larger numbers have no meaning in any array of a model, and could overflow what is computed from them.
 const LARGEST: f32 = 1e6;
@@ -60,6 +61,8 @@ impl Judge {
             self.setting("capillary number of the steady limit", value, 1e-6, 1e6);
         }
         self.rising("border", &contents.border, 2, 0);
+        self.singles("steady limit", &contents.steady_limit);
+        self.singles("border", &contents.border);
 
         let kernel = &contents.kernel;
         self.at_least_one("neighbours of the kernel", kernel.neighbours);
@@ -97,6 +100,7 @@ impl Judge {
         let sector = mesh.sector_reference.rows as usize;
         let what = "sector's reference nodes";
         let reference = self.matrix(what, &mesh.sector_reference, [sector, 3], ANY);
+        self.singles(what, &mesh.sector_reference);
         match mesh.reference {
             Reference::Sphere => self.on_unit_sphere(what, &reference),
             Reference::Shape { radius } => self.setting("radius of the reference shape", radius, 1e-9, 1e6),
@@ -145,12 +149,7 @@ impl Judge {
         let rows = stored.rows as usize;
         self.count("samples", rows.clamp(1, MOST_SAMPLES), rows);
         let samples = self.matrix("samples", stored, [rows, parameters], [least, LARGEST]);
-        // They are read in every query.
-        if stored.encoding != Encoding::F32 {
-            let (expected, found) = (4 * parameters * samples.rows(), stored.blob.data.len());
-            let what = "samples";
-            return self.refuse(OpenError::Length { what, expected, found });
-        }
+        self.singles("samples", stored);
         let same = |first, second| (1..parameters).all(|d| samples.get(first, d) == samples.get(second, d));
         for second in 0..samples.rows() {
             // Most differ in the first parameter.
@@ -179,7 +178,7 @@ impl Judge {
         let (field, samples) = (&cluster.field, cluster.samples.rows as usize);
         let [modes, columns, axial] =
             [&field.modes, &field.parameter_modes, &field.axial_controls].map(|matrix| matrix.columns as usize);
-        self.matrix("modes", &field.modes, [3 * nodes, modes], ANY);
+        self.matrix("modes", &field.modes, [panelled(nodes).saturating_mul(3), modes], ANY);
         self.matrix("parameter modes", &field.parameter_modes, [samples, columns], ANY);
         let controls = self.knots(&field.knots, end_time);
         for rows in [&field.coarse, &field.fine] {
@@ -214,17 +213,17 @@ impl Judge {
         controls
     }
 
-    /// The slices have no more rows than there are modes, and share out all rows.
+    /// The slices have no more panels than the modes need, and share out all rows.
     fn slices(&mut self, field: &Field<'_>, controls: usize) {
         self.length("slices", &field.slices, 4 * controls);
-        let modes = field.modes.columns as usize;
+        let most = (field.modes.columns as usize).div_ceil(LANES);
         let mut sum = [0, 0];
         for (slice, [coarse, fine]) in Indices::new(&field.slices).pairs().enumerate() {
-            self.index("slices", 2 * slice + 1, coarse + fine, modes + 1);
+            self.index("slices", 2 * slice + 1, coarse + fine, most + 1);
             sum = [sum[0] + coarse, sum[1] + fine];
         }
-        self.count("coarse rows of the core", sum[0], field.coarse.rows as usize);
-        self.count("fine rows of the core", sum[1], field.fine.rows as usize);
+        self.count("coarse rows of the core", LANES * sum[0], field.coarse.rows as usize);
+        self.count("fine rows of the core", LANES * sum[1], field.fine.rows as usize);
     }
 
     #[inline(never)]
@@ -321,18 +320,23 @@ impl Judge {
                 found: found[1],
             });
         }
-        let (row, units) = match matrix.encoding {
-            Encoding::F32 => (columns.saturating_mul(4), 0),
-            Encoding::Columns(Digits { coarse }) => (columns.saturating_add(coarse.into()), columns),
-            Encoding::Rows(Digits { coarse }) => (columns.saturating_add(coarse.into()), rows),
+        let (stored, units, coarse) = match matrix.encoding {
+            Encoding::F32 => (rows, 0, None),
+            Encoding::Columns(Digits { coarse }) => (rows, columns, Some(coarse)),
+            Encoding::ColumnPanels(Digits { coarse }) => (panelled(rows), columns, Some(coarse)),
+            Encoding::RowPanels(Digits { coarse }) => (panelled(rows), rows, Some(coarse)),
         };
-        if let Encoding::Columns(Digits { coarse }) | Encoding::Rows(Digits { coarse }) = matrix.encoding {
-            self.index(what, 0, coarse.into(), columns.saturating_add(1));
-        }
+        let row = match coarse.map(usize::from) {
+            None => columns.saturating_mul(4),
+            Some(coarse) => {
+                self.index(what, 0, coarse, columns.saturating_add(1));
+                columns.saturating_add(coarse)
+            }
+        };
         self.length(
             what,
             &matrix.blob,
-            rows.saturating_mul(row).saturating_add(units.saturating_mul(4)),
+            stored.saturating_mul(row).saturating_add(units.saturating_mul(4)),
         );
         if self.found.is_err() {
             return MatrixView::new(&Matrix::f32(0, columns as u32, &[]));
@@ -342,6 +346,17 @@ impl Judge {
             self.number(what, index, value, "a finite number in the array's range");
         }
         view
+    }
+
+    /// Not of integers: it is read again and again.
+    fn singles(&mut self, what: &'static str, matrix: &Matrix<'_>) {
+        if matrix.encoding != Encoding::F32 {
+            let expected = (matrix.columns as usize)
+                .saturating_mul(matrix.rows as usize)
+                .saturating_mul(4);
+            let found = matrix.blob.data.len();
+            self.refuse(OpenError::Length { what, expected, found });
+        }
     }
 
     /// A matrix of at least as many rows, whose first entries rise.
@@ -358,4 +373,9 @@ impl Judge {
         }
         view
     }
+}
+
+/// So many rows in whole panels.
+fn panelled(rows: usize) -> usize {
+    rows.div_ceil(LANES).saturating_mul(LANES)
 }

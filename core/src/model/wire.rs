@@ -169,8 +169,8 @@ pub struct Cluster<'a> {
 /// more digits than those that follow, and the last ones, which are negligible, not at all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Field<'a> {
-    /// Shape modes `[3 N_s, K - 1]` at the sector nodes (rows x, y, z of node 0, then of node 1 ...), orthonormal over
-    /// the FULL mesh.
+    /// Shape modes `[3 S, K - 1]` at the sector nodes, orthonormal over the FULL mesh: rows of x, then of y, then of z, each S
+    /// rows for S the next multiple of 8 of N_s; those beyond N_s are 0.
     #[serde(borrow)]
     pub modes: Matrix<'a>,
     /// Psi `[N_c, K_c]`.
@@ -178,7 +178,7 @@ pub struct Field<'a> {
     /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than four
     /// times.
     pub knots: Matrix<'a>,
-    /// `u16 [N_b, 2]`: how many rows of `coarse` and of `fine` belong to each slice, one slice after the other.
+    /// `u16 [N_b, 2]`: how many times eight rows of `coarse` and of `fine` belong to each slice, one slice after the other.
     pub slices: Blob<'a>,
     /// The first rows of the slices `[n, K_c]`.
     pub coarse: Matrix<'a>,
@@ -242,7 +242,7 @@ pub struct Paper {
     pub window: f64,
 }
 
-/// A row-major matrix.
+/// A matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Matrix<'a> {
     /// Number of rows.
@@ -257,22 +257,27 @@ pub struct Matrix<'a> {
 }
 
 /// How the entries of a matrix are stored.
+///
+/// A panel is eight successive rows, column by column: eight entries of the first column, eight of the second ... Products
+/// with vectors take a panel at a time. Where the rows are no multiple of eight, zeros fill the last panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Encoding {
-    /// Little-endian binary32.
+    /// Little-endian binary32, row by row.
     #[default]
     F32,
     /// A little-endian binary32 for each column, its unit; then the rows in the units of their columns.
     Columns(Digits),
-    /// A little-endian binary32 for each row, its unit; then the rows in units of their own.
-    Rows(Digits),
+    /// A little-endian binary32 for each column, its unit; then the panels in the units of their columns.
+    ColumnPanels(Digits),
+    /// A little-endian binary32 for each row, its unit; then the panels in the units of their rows.
+    RowPanels(Digits),
 }
 
-/// How the integers of a row are stored.
+/// How integers are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Digits {
-    /// How many of its first entries are little-endian i16; the others are i8.
+    /// In how many of the first columns they are little-endian i16; in the others they are i8.
     pub coarse: u16,
 }
 

@@ -76,21 +76,6 @@ impl Sphere {
             }
         }
 
-        let sector: Vec<u16> = (0..lattice.len() as u16)
-            .filter(|&n| {
-                let [_, j, k] = lattice[usize::from(n)];
-                0 <= k && k <= j
-            })
-            .collect();
-        let place: HashMap<u16, u16> = sector.iter().enumerate().map(|(place, &n)| (n, place as u16)).collect();
-        let origin = |&[i, j, k]: &[i32; 3]| {
-            let (large, small) = (j.abs().max(k.abs()), j.abs().min(k.abs()));
-            let swap = u8::from(k.abs() > j.abs()) << 2;
-            (
-                place[&number[&[i, large, small]]],
-                swap | u8::from(j < 0) | u8::from(k < 0) << 1,
-            )
-        };
         let outline = |on: fn(i32, i32) -> bool| {
             let mut nodes: Vec<u16> = (0..lattice.len() as u16)
                 .filter(|&n| {
@@ -101,14 +86,35 @@ impl Sphere {
             nodes.sort_by_key(|&n| -lattice[usize::from(n)][0]);
             nodes
         };
+        let [midplane, diagonal] = [outline(|_, k| k == 0), outline(|j, k| j == k)];
+        // The outlines first, as in a real model: their nodes share panels.
+        let rest = (0..lattice.len() as u16).filter(|&n| {
+            let [_, j, k] = lattice[usize::from(n)];
+            0 <= k && k <= j
+        });
+        let mut sector: Vec<u16> = Vec::new();
+        for node in midplane.iter().chain(&diagonal).copied().chain(rest) {
+            if !sector.contains(&node) {
+                sector.push(node);
+            }
+        }
+        let place: HashMap<u16, u16> = sector.iter().enumerate().map(|(place, &n)| (n, place as u16)).collect();
+        let origin = |&[i, j, k]: &[i32; 3]| {
+            let (large, small) = (j.abs().max(k.abs()), j.abs().min(k.abs()));
+            let swap = u8::from(k.abs() > j.abs()) << 2;
+            (
+                place[&number[&[i, large, small]]],
+                swap | u8::from(j < 0) | u8::from(k < 0) << 1,
+            )
+        };
         Self {
             nodes: nodes.collect(),
             elements,
             representative: lattice.iter().map(|p| origin(p).0).collect(),
             operation: lattice.iter().map(|p| origin(p).1).collect(),
             sector_nodes: sector,
-            midplane: outline(|_, k| k == 0),
-            diagonal: outline(|j, k| j == k),
+            midplane,
+            diagonal,
         }
     }
 }
@@ -269,17 +275,24 @@ impl Family {
             for (min, max) in clusters {
                 let samples = self.cluster_samples(min, max);
                 a.f32s(samples.iter().copied().flatten());
-                a.f32s(sphere.sector_nodes.iter().flat_map(|&n| {
-                    (0..3).flat_map(move |axis| self.modes.iter().map(move |mode| mode[usize::from(n)][axis]))
+                a.f32s((0..3).flat_map(|axis| {
+                    let entry =
+                        move |node: Option<&u16>, mode: &[[f64; 3]]| node.map_or(0.0, |&n| mode[usize::from(n)][axis]);
+                    let row = move |place| {
+                        let node = sphere.sector_nodes.get(place);
+                        self.modes.iter().map(move |mode| entry(node, mode))
+                    };
+                    (0..padded(sector)).flat_map(row)
                 }));
                 a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 a.f32s(self.knots());
                 let count = self.controls();
-                // The last row of each slice is stored in fewer digits, as in a real model.
-                let coarse = SHAPE_MODES as u16 - 1;
-                a.u16s((0..count).flat_map(|_| [coarse, 1]));
-                a.f32s((0..count).flat_map(|b| (1..SHAPE_MODES).flat_map(move |k| self.control(k, b))));
-                a.f32s((0..count).flat_map(|b| self.control(SHAPE_MODES, b)));
+                // Every other slice lies where a real model has fewer digits.
+                a.u16s((0..count).flat_map(|b| if b % 2 == 0 { [1, 0] } else { [0, 1] }));
+                for first in [0, 1] {
+                    let slice = |b| (1..=padded(SHAPE_MODES)).flat_map(move |k| self.control(k, b));
+                    a.f32s((first..count).step_by(2).flat_map(slice));
+                }
                 a.f32s((0..count).flat_map(|b| self.control(0, b)));
                 a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 for _ in 0..2 {
@@ -313,12 +326,12 @@ impl Family {
             let samples = f32(count, 2, blob());
             let controls = self.controls();
             let field = Field {
-                modes: f32(3 * sector, SHAPE_MODES, blob()),
+                modes: f32(3 * padded(sector), SHAPE_MODES, blob()),
                 parameter_modes: f32(count, FUNCTIONS, blob()),
                 knots: f32(controls + 4, 1, blob()),
                 slices: blob(),
-                coarse: f32(controls * (SHAPE_MODES - 1), FUNCTIONS, blob()),
-                fine: f32(controls, FUNCTIONS, blob()),
+                coarse: f32(controls / 2 * padded(SHAPE_MODES), FUNCTIONS, blob()),
+                fine: f32(controls / 2 * padded(SHAPE_MODES), FUNCTIONS, blob()),
                 axial_controls: f32(controls, FUNCTIONS, blob()),
                 axial_modes: f32(count, FUNCTIONS, blob()),
             };
@@ -400,8 +413,11 @@ impl Family {
     }
 
     /// Control `b` of coefficient `k` in the parameter functions: a third of an interval beside its stored instant along
-    /// the tangent, so that the spline is the cubic with the values and rates at both ends.
+    /// the tangent, so that the spline is the cubic with the values and rates at both ends. Zeros beyond the coefficients.
     fn control(&self, k: usize, b: usize) -> [f64; FUNCTIONS] {
+        if k > SHAPE_MODES {
+            return [0.0; FUNCTIONS];
+        }
         let instant = |i: usize| f64::from(self.times[i]);
         let t = instant(b / 2);
         let [value, rate] = self.coefficient(k, t);
@@ -412,6 +428,11 @@ impl Family {
         };
         std::array::from_fn(|l| value[l] + ahead / 3.0 * rate[l])
     }
+}
+
+/// So many rows in whole panels of eight.
+fn padded(rows: usize) -> usize {
+    rows.next_multiple_of(8)
 }
 
 /// 1, a/l, (a/l)^2, Ca.

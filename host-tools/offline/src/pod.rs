@@ -15,14 +15,14 @@ const WORKING_SHARE: f64 = 0.1;
 /// What the splines may add, as a share of the error of the modes.
 const TIME_SHARE: f64 = 0.8;
 /// What rows of the core that are left out may add, and what the digits of the others may.
-const GRADING_SHARE: f64 = 0.8;
+const GRADING_SHARE: f64 = 1.25;
 /// What the translation's modes may leave.
 const AXIAL_SHARE: f64 = 0.05;
 /// The error of the modes where ranks are given instead, l.
 const RANKS_TOLERANCE: f64 = 1e-4;
 
-/// Ranks are multiples of this: the core adds products eight at a time, and what is beyond one by one.
-const LANES: usize = 8;
+/// Rows of a panel, see [`capsule_core::model::wire::Encoding`]: ranks and the rows of slices are multiples of it.
+pub(crate) const LANES: usize = 8;
 
 /// The most modes of the translation that the core holds.
 const MAX_AXIAL: usize = 16;
@@ -206,16 +206,18 @@ impl Snapshots {
 }
 
 /// Leaves out the last rows of a slice, and digits of those before them, as far as the budget allows: each of both may add
-/// as much to the sum of the squares over all samples, over which the columns of Psi are normalised.
+/// as much to the sum of the squares over all samples, over which the columns of Psi are normalised. What shares a panel is
+/// kept alike.
 fn graded(slice: Mat<f64>, budget: f64) -> Slice {
     let (rows, columns) = slice.shape();
     let all = &slice;
     let entries = |k: usize| (0..columns).map(move |l| all[(k, l)]);
     let square = |k: usize| entries(k).map(|x| x * x).sum::<f64>();
     let rounding = |k: usize| columns as f64 * rounding(entries(k).fold(0.0, |a: f64, x| a.max(x.abs())));
-    let end = trailing(rows, budget, square);
+    let whole = |count: usize, most: usize| count.next_multiple_of(LANES).min(most);
+    let end = whole(trailing(rows, budget, square), rows);
     Slice {
-        coarse: trailing(end, budget, rounding),
+        coarse: whole(trailing(end, budget, rounding), end),
         rows: slice.subrows(0, end).to_owned(),
     }
 }

@@ -8,14 +8,14 @@ use capsule_core::{DIAGONAL, MIDPLANE};
 use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
 
-use crate::pod::{DoublePod, Slice, Snapshots};
+use crate::pod::{DoublePod, LANES, Slice, Snapshots};
 use crate::settings::Storage;
 use crate::{LeftOut, OfflineError, Settings};
 
 /// A reference coordinate closer to a plane than this share of the radius lies on it.
 const ON_PLANE: f64 = 1e-9;
 
-/// A matrix as the file holds it, row-major.
+/// A matrix as the file holds it.
 #[derive(Clone)]
 pub(crate) struct Numbers {
     rows: usize,
@@ -36,10 +36,37 @@ impl Numbers {
         }
     }
 
-    /// As [`Numbers::new`], as integers in units of the columns if the storage is so: `coarse` columns in two bytes, the others
-    /// in one.
-    fn in_columns(
+    /// As [`Numbers::new`], in units of the columns if the storage is so, row by row: two bytes a number.
+    fn in_columns(storage: Storage, dimensions: [usize; 2], value: impl Fn(usize, usize) -> f64) -> Self {
+        let [_, columns] = dimensions;
+        Numbers::integers(storage, Encoding::Columns, columns, dimensions, value)
+    }
+
+    /// In units of the columns if the storage is so, in panels: `coarse` columns in two bytes, the others in one.
+    fn in_column_panels(
         storage: Storage,
+        coarse: usize,
+        dimensions: [usize; 2],
+        value: impl Fn(usize, usize) -> f64,
+    ) -> Self {
+        Numbers::integers(storage, Encoding::ColumnPanels, coarse, dimensions, value)
+    }
+
+    /// In units of the rows if the storage is so, in panels: in two bytes or in one.
+    fn in_row_panels(
+        storage: Storage,
+        two_bytes: bool,
+        dimensions: [usize; 2],
+        value: impl Fn(usize, usize) -> f64,
+    ) -> Self {
+        let coarse = if two_bytes { dimensions[1] } else { 0 };
+        Numbers::integers(storage, Encoding::RowPanels, coarse, dimensions, value)
+    }
+
+    /// Units of the columns or of the rows, and multiples of them.
+    fn integers(
+        storage: Storage,
+        encoding: fn(Digits) -> Encoding,
         coarse: usize,
         [rows, columns]: [usize; 2],
         value: impl Fn(usize, usize) -> f64,
@@ -47,52 +74,44 @@ impl Numbers {
         if storage == Storage::Single {
             return Numbers::new(rows, columns, value);
         }
-        let greatest = |j| (0..rows).map(|i| value(i, j).abs()).fold(0.0, f64::max);
-        let units: Vec<f32> = (0..columns).map(|j| unit(greatest(j), j < coarse)).collect();
-        let entries = (0..rows).map(|i| (0..columns).map(|j| value(i, j) / f64::from(units[j])).collect());
-        Numbers::integers(Encoding::Columns, &units, coarse, columns, entries)
-    }
-
-    /// Rows as integers in units of their own, if the storage is so, in two bytes or in one.
-    fn in_rows(storage: Storage, two_bytes: bool, columns: usize, rows: &[Vec<f64>]) -> Self {
-        if storage == Storage::Single {
-            return Numbers::new(rows.len(), columns, |i, j| rows[i][j]);
-        }
-        let greatest = |row: &Vec<f64>| row.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-        let units: Vec<f32> = rows.iter().map(|row| unit(greatest(row), two_bytes)).collect();
-        let entries = rows.iter().zip(&units);
-        let entries = entries.map(|(row, unit)| row.iter().map(|x| x / f64::from(*unit)).collect());
-        let coarse = if two_bytes { columns } else { 0 };
-        Numbers::integers(Encoding::Rows, &units, coarse, columns, entries)
-    }
-
-    /// Units, and rows of multiples of them.
-    fn integers(
-        encoding: fn(Digits) -> Encoding,
-        units: &[f32],
-        coarse: usize,
-        columns: usize,
-        rows: impl Iterator<Item = Vec<f64>>,
-    ) -> Self {
+        let encoding = encoding(Digits { coarse: coarse as u16 });
+        let of_rows = matches!(encoding, Encoding::RowPanels(_));
+        let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, x| a.max(x.abs()));
+        let units: Vec<f32> = if of_rows {
+            let row = |i| greatest(&mut (0..columns).map(|j| value(i, j)));
+            (0..rows).map(|i| unit(row(i), coarse > 0)).collect()
+        } else {
+            let column = |j| greatest(&mut (0..rows).map(|i| value(i, j)));
+            (0..columns).map(|j| unit(column(j), j < coarse)).collect()
+        };
         let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
-        let mut count = 0;
-        for row in rows {
-            count += 1;
-            for (j, multiple) in row.into_iter().enumerate() {
-                // A unit is rounded, so a multiple may be one more than the greatest; casts saturate. Of a unit that is 0 every
-                // multiple is.
-                let integer = multiple.round();
-                if j < coarse {
-                    bytes.extend((integer as i16).to_le_bytes());
-                } else {
-                    bytes.extend((integer as i8).to_le_bytes());
-                }
+        let mut push = |i: usize, j: usize| {
+            // Beyond the rows a panel is filled with zeros.
+            let unit = *units.get(if of_rows { i } else { j }).unwrap_or(&0.0);
+            let multiple = if i < rows { value(i, j) / f64::from(unit) } else { 0.0 };
+            // A unit is rounded, so a multiple may be one more than the greatest; casts saturate. Of a unit that is 0 every
+            // multiple is.
+            let integer = multiple.round();
+            if j < coarse {
+                bytes.extend((integer as i16).to_le_bytes());
+            } else {
+                bytes.extend((integer as i8).to_le_bytes());
+            }
+        };
+        let height = if matches!(encoding, Encoding::Columns(_)) {
+            1
+        } else {
+            LANES
+        };
+        for first in (0..rows).step_by(height) {
+            for j in 0..columns {
+                (first..first + height).for_each(|i| push(i, j));
             }
         }
         Numbers {
-            rows: count,
+            rows,
             columns,
-            encoding: encoding(Digits { coarse: coarse as u16 }),
+            encoding,
             bytes,
         }
     }
@@ -142,6 +161,8 @@ pub(crate) struct MeshParts {
     operation: Vec<u8>,
     outlines: Vec<(&'static str, Vec<u8>)>,
     scales: Vec<f64>,
+    /// The sector's nodes in the order of the file, by their places in the symmetry's.
+    order: Vec<usize>,
 }
 
 fn indices<'a>(values: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
@@ -166,6 +187,12 @@ impl MeshParts {
             Reference::Shape { radius } if symmetry.order() == 8 => outlines(&mesh.nodes, radius).unwrap_or_default(),
             Reference::Shape { .. } => Vec::new(),
         };
+        let order = order(symmetry, outlines.iter().flat_map(|(_, nodes)| nodes));
+        let mut place = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(new, old)| place[*old] = new as u32);
+        let representative: Vec<u32> = symmetry.representative.iter().map(|s| place[*s as usize]).collect();
+        let sector: Vec<u32> = order.iter().map(|s| symmetry.sector[*s]).collect();
+        let orbits = symmetry.orbit_sizes();
         let flat = mesh.elements.iter().all(Mesh::is_flat);
         let element_nodes = if flat { 3 } else { 6 };
         Ok(MeshParts {
@@ -173,14 +200,16 @@ impl MeshParts {
             element_nodes,
             elements: indices(mesh.elements.iter().flat_map(|element| &element[..element_nodes])),
             reference,
-            sector_reference: Numbers::new(symmetry.sector.len(), 3, |s, d| {
-                mesh.nodes[symmetry.sector[s] as usize][d]
-            }),
-            sector_nodes: indices(&symmetry.sector),
-            representative: indices(&symmetry.representative),
+            sector_reference: Numbers::new(sector.len(), 3, |s, d| mesh.nodes[sector[s] as usize][d]),
+            sector_nodes: indices(&sector),
+            representative: indices(&representative),
             operation: symmetry.operation.clone(),
-            outlines,
-            scales: symmetry.orbit_sizes().iter().map(|w| f64::from(*w).sqrt()).collect(),
+            outlines: outlines
+                .into_iter()
+                .map(|(name, nodes)| (name, indices(&nodes)))
+                .collect(),
+            scales: orbits.iter().map(|w| f64::from(*w).sqrt()).collect(),
+            order,
         })
     }
 
@@ -211,12 +240,23 @@ impl MeshParts {
     }
 }
 
+/// The sector's nodes, by their places in the symmetry's order: first those of the outlines, as these run, so that they share
+/// panels and no others are computed with them.
+fn order<'a>(symmetry: &Symmetry, outlines: impl Iterator<Item = &'a u32>) -> Vec<usize> {
+    let of_outlines = outlines.map(|node| symmetry.representative[*node as usize] as usize);
+    let mut taken = vec![false; symmetry.sector.len()];
+    of_outlines
+        .chain(0..symmetry.sector.len())
+        .filter(|s| !std::mem::replace(&mut taken[*s], true))
+        .collect()
+}
+
 /// The two outlines of a shape of a radius.
-fn outlines(nodes: &[[f64; 3]], radius: f64) -> Result<Vec<(&'static str, Vec<u8>)>, OfflineError> {
+fn outlines(nodes: &[[f64; 3]], radius: f64) -> Result<Vec<(&'static str, Vec<u32>)>, OfflineError> {
     let on = ON_PLANE * radius;
     let midplane = outline(MIDPLANE, nodes, on, |[_, y, z]| z.abs() < on && y > -on)?;
     let diagonal = outline(DIAGONAL, nodes, on, |[_, y, z]| (y - z).abs() < on && y > -on)?;
-    Ok(vec![(MIDPLANE, indices(&midplane)), (DIAGONAL, indices(&diagonal))])
+    Ok(vec![(MIDPLANE, midplane), (DIAGONAL, diagonal)])
 }
 
 /// The nodes of a half plane through the axis, from the front pole to the rear pole: by the angle from the axis, around the
@@ -309,30 +349,48 @@ struct FieldParts {
 }
 
 impl FieldParts {
-    fn new(snapshots: &Snapshots, pod: &DoublePod, scales: &[f64], storage: Storage) -> Self {
+    fn new(snapshots: &Snapshots, pod: &DoublePod, mesh: &MeshParts, storage: Storage) -> Self {
         let modes = snapshots.modes_at_nodes(pod);
-        let at_node = |row: usize, k: usize| modes[(row, k)] / scales[row / 3];
-        let greatest = |k| (0..modes.nrows()).map(|row| at_node(row, k).abs()).fold(0.0, f64::max);
+        // Rows of whole panels, one component after the other.
+        let stride = mesh.order.len().next_multiple_of(LANES);
+        let at_node = |row: usize, k: usize| {
+            let s = mesh.order.get(row % stride);
+            s.map_or(0.0, |s| modes[(3 * s + row / stride, k)] / mesh.scales[*s])
+        };
+        let greatest = |k| (0..3 * stride).map(|row| at_node(row, k).abs()).fold(0.0, f64::max);
         let coarse_modes = snapshots.coarse_modes(pod, greatest);
         let columns = pod.parameter_modes.ncols();
-        let row = |slice: &Slice, k: usize| (0..columns).map(|l| slice.rows[(k, l)]).collect::<Vec<f64>>();
         let (mut slices, mut coarse, mut fine) = (Vec::new(), Vec::new(), Vec::new());
         for slice in &pod.slices {
-            let rows = slice.rows.nrows();
-            coarse.extend((0..slice.coarse).map(|k| row(slice, k)));
-            fine.extend((slice.coarse..rows).map(|k| row(slice, k)));
-            slices.extend([slice.coarse as u32, (rows - slice.coarse) as u32]);
+            for (rows, stored) in [
+                (0..slice.coarse, &mut coarse),
+                (slice.coarse..slice.rows.nrows(), &mut fine),
+            ] {
+                let panels = rows.len().div_ceil(LANES);
+                slices.push(panels as u32);
+                stored.extend((rows.start..rows.start + LANES * panels).map(|k| (slice, k)));
+            }
         }
+        let entry = |(slice, k): &(&Slice, usize), l: usize| {
+            if *k < slice.rows.nrows() {
+                slice.rows[(*k, l)]
+            } else {
+                0.0
+            }
+        };
+        let core = |two_bytes: bool, rows: &[(&Slice, usize)]| {
+            Numbers::in_row_panels(storage, two_bytes, [rows.len(), columns], |i, l| entry(&rows[i], l))
+        };
         let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
         FieldParts {
-            modes: Numbers::in_columns(storage, coarse_modes, [modes.nrows(), modes.ncols()], at_node),
-            parameter_modes: Numbers::in_columns(storage, columns, [pod.parameter_modes.nrows(), columns], |j, l| {
+            modes: Numbers::in_column_panels(storage, coarse_modes, [3 * stride, modes.ncols()], at_node),
+            parameter_modes: Numbers::in_columns(storage, [pod.parameter_modes.nrows(), columns], |j, l| {
                 pod.parameter_modes[(j, l)]
             }),
             knots: Numbers::column(snapshots.knots()),
             slices: indices(&slices),
-            coarse: Numbers::in_rows(storage, true, columns, &coarse),
-            fine: Numbers::in_rows(storage, false, columns, &fine),
+            coarse: core(true, &coarse),
+            fine: core(false, &fine),
             axial_controls: dense(&pod.axial_controls),
             axial_modes: dense(&pod.axial_modes),
         }
@@ -403,7 +461,7 @@ impl ClusterParts {
                 parameters.first().map_or(0, |row| row.len()),
                 |j, d| parameters[j][d],
             ),
-            field: FieldParts::new(snapshots, pod, &mesh.scales, storage),
+            field: FieldParts::new(snapshots, pod, mesh, storage),
             errors: [unknown(), unknown()],
         }
     }

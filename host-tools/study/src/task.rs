@@ -5,8 +5,8 @@ use std::hint::black_box;
 use capsule_core::mechanics::Stencil;
 use capsule_core::model::wire::Reference;
 use capsule_core::{
-    Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Observables, Parameters, Query, Real,
-    Scene, Segment, Workspace, section,
+    Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Observables, Parameters, Playback, Query,
+    Real, Scene, Segment, Workspace, playback_room, section,
 };
 use serde::Serialize;
 
@@ -27,7 +27,9 @@ pub enum What {
     Section,
     /// Positions of all nodes.
     Surface,
-    /// The same at [`INSTANTS`], evenly over the whole time, together.
+    /// The same as a frame that follows another.
+    Frame,
+    /// Frames at [`INSTANTS`], evenly over the whole time.
     Trajectory,
     /// Velocities of all nodes.
     Velocities,
@@ -82,7 +84,7 @@ pub const SCENES: [Task; 7] = [
     task("scene_surface", false, When::Once, What::Surface),
     task("scene_velocities", false, When::Once, What::Velocities),
     task("scene_tensions", false, When::Once, What::Tensions),
-    task("next_frame", false, When::Next, What::Surface),
+    task("next_frame", false, When::Next, What::Frame),
 ];
 
 /// All tasks that a model can be asked.
@@ -143,6 +145,7 @@ pub fn questions(model: &Model<'_>, count: usize) -> Result<Vec<Question>, Study
 pub struct Asker<T: Real> {
     method: Method,
     workspace: Box<Workspace<T>>,
+    playback: Playback<T, Vec<T>>,
     stencils: Vec<Stencil<T>>,
     /// The instants of a trajectory.
     times: Vec<T>,
@@ -170,6 +173,7 @@ impl<T: Real> Asker<T> {
         Ok(Self {
             method,
             workspace: Box::new(Workspace::new()),
+            playback: Playback::new(vec![T::ZERO; playback_room(model)]),
             stencils: stencils
                 .map(|node| Stencil::at(&mesh, node))
                 .collect::<Result<_, _>>()?,
@@ -211,12 +215,10 @@ impl<T: Real> Asker<T> {
         let query = self.query(question);
         let mut evaluator = Evaluator::new(model, &mut self.workspace)?;
         evaluator.prepare(&query)?;
-        // Some instant; not the one that is asked for.
-        let t = match task.when {
-            When::Next => question.t,
-            _ => f64::from(model.end_time()) - question.t,
-        };
-        evaluator.at(T::from_f64(t))?.centroid();
+        if task.when == When::Next {
+            let t = T::from_f64(question.t);
+            evaluator.frame(t, Frame::Laboratory, &mut self.playback, &mut self.nodes)?;
+        }
         Ok(())
     }
 
@@ -240,12 +242,19 @@ impl<T: Real> Asker<T> {
             When::Next => question.t + FRAME,
             When::End => model.end_time().into(),
         };
-        if task.what == What::Trajectory {
-            self.count = self.times.len() * evaluator.positions(&self.times, &all, &mut self.nodes)?;
+        let t = T::from_f64(t);
+        if task.what == What::Frame {
+            self.count = evaluator.frame(t, all.frame, &mut self.playback, &mut self.nodes)?;
+        } else if task.what == What::Trajectory {
+            let frames = self.nodes.chunks_exact_mut(model.mesh().nodes());
+            for (t, out) in self.times.iter().zip(frames) {
+                evaluator.frame(*t, all.frame, &mut self.playback, out)?;
+            }
+            self.count = self.nodes.len();
         } else {
-            let mut instant = evaluator.at(T::from_f64(t))?;
+            let mut instant = evaluator.at(t)?;
             match task.what {
-                What::Nothing | What::Trajectory => {}
+                What::Nothing | What::Frame | What::Trajectory => {}
                 What::Observables => self.observables = Some(instant.observables()?),
                 What::Outline => self.count = instant.outline(MIDPLANE, Frame::Centroid, &mut self.outline)?,
                 What::Surface => self.count = instant.positions(&all, &mut self.nodes)?,
@@ -290,7 +299,7 @@ impl<T: Real> Asker<T> {
             })),
             What::Outline => Box::new(self.outline.iter().take(self.count).flatten().copied()),
             What::Section => Box::new(self.section.iter().take(self.count).flatten().flatten().copied()),
-            What::Surface | What::Trajectory | What::Velocities => {
+            What::Surface | What::Frame | What::Trajectory | What::Velocities => {
                 Box::new(self.nodes.iter().take(self.count).flatten().copied())
             }
             What::Tensions => Box::new(self.tensions.iter().take(self.count).flatten().copied()),

@@ -1,0 +1,167 @@
+//! Frames of one motion, one after the other.
+//!
+//! Between knots the surface is a combination of four surfaces, those of the controls that are not zero there: a frame costs
+//! four multiplications a number, whatever the number of modes. The surfaces of four successive controls are computed
+//! together, when the first of them is needed, and two such groups hold all that an instant needs.
+
+use crate::Real;
+use crate::error::EvaluateError;
+use crate::linalg::{LANES, part, part_mut};
+use crate::model::{MatrixView, Mesh, Model, images};
+use crate::motion::{Motion, Quantity};
+use crate::reconstruct::{Snapshot, room};
+use crate::spline::ORDER;
+use crate::workspace::{Prepared, Workspace};
+
+/// Groups of four controls that are kept.
+const GROUPS: usize = 2;
+/// Surfaces that are kept: those of the controls.
+const SURFACES: usize = GROUPS * ORDER;
+
+/// What is kept from frame to frame for [`Evaluator::frame`](crate::Evaluator::frame), in storage of the caller's: an array, a
+/// slice, a vector.
+#[derive(Clone, Debug)]
+pub struct Playback<T, R> {
+    room: R,
+    /// The query whose surfaces these are.
+    prepared: Option<Prepared<T>>,
+    /// Group number g lies at g mod 2.
+    groups: [Option<usize>; GROUPS],
+}
+
+/// Numbers that frames of a model need room for.
+pub fn playback_room(model: &Model<'_>) -> usize {
+    let surface = surface(&model.mesh());
+    SURFACES * surface + frame(surface)
+}
+
+impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
+    /// Nothing is kept yet. `room` holds at least as many numbers as [`playback_room`] says.
+    pub fn new(room: R) -> Self {
+        Self {
+            room,
+            prepared: None,
+            groups: [None; GROUPS],
+        }
+    }
+
+    /// Positions of all nodes at `t`.
+    pub(crate) fn positions<const K: usize, const M: usize, const N: usize>(
+        &mut self,
+        model: &Model<'_>,
+        workspace: &mut Workspace<T, K, M, N>,
+        prepared: Prepared<T>,
+        [t, translation]: [T; 2],
+        out: &mut [[T; 3]],
+    ) -> Result<usize, EvaluateError> {
+        let surface = surface(&model.mesh());
+        let cluster = model.cluster(&prepared.query.parameters);
+        let cluster = cluster.ok_or(EvaluateError::NotPrepared)?;
+        let kept = room(self.room.as_mut(), SURFACES * surface + frame(surface))?;
+        let out = room(out, model.mesh().nodes())?;
+        if self.prepared != Some(prepared) {
+            (self.prepared, self.groups) = (Some(prepared), [None; GROUPS]);
+        }
+        let (controls, frame) = kept.split_at_mut(SURFACES * surface);
+
+        let motion = Motion::new(&cluster.field, &workspace.contracted);
+        let splines = motion.splines(t);
+        let first = splines.first;
+        let last = first + ORDER - 1;
+        for group in first / ORDER..=last / ORDER {
+            let surfaces = controls.chunks_exact_mut(ORDER * surface).zip(&mut self.groups);
+            let Some((surfaces, known)) = surfaces.into_iter().nth(group % GROUPS) else {
+                continue;
+            };
+            if *known != Some(group) {
+                let modes = MatrixView::new(&cluster.field.modes);
+                let (coefficients, count) = coefficients(&motion, &modes, group);
+                let snapshot = Snapshot {
+                    mesh: model.mesh(),
+                    modes,
+                    coefficients: part(&coefficients, 0..count),
+                    scale: model.scale(&prepared.query.parameters),
+                    translation: T::ZERO,
+                };
+                compute(&snapshot, surfaces, surface);
+                *known = Some(group);
+            }
+        }
+        let control = |i: usize| {
+            let start = (first + i) % SURFACES * surface;
+            part(controls, start..start + surface)
+        };
+        let [p, q, r, s] = splines.of(Quantity::Displacement);
+        let [a, b, c, d] = [0, 1, 2, 3].map(control);
+        for ((((out, a), b), c), d) in frame.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *out = (p * *a + q * *b) + (r * *c + s * *d);
+        }
+        let (x, others) = frame.split_at_mut(surface / 3);
+        x.iter_mut().for_each(|x| *x += translation);
+        let (yz, opposite) = others.split_at_mut(2 * surface / 3);
+        opposite.iter_mut().zip(&*yz).for_each(|(opposite, x)| *opposite = -*x);
+        // Without a way out the loop is done in vectors.
+        if !frame.iter().fold(true, |finite, x| finite & x.is_finite()) {
+            return Err(EvaluateError::NotFinite);
+        }
+        mirror(&model.mesh(), frame, out);
+        Ok(out.len())
+    }
+}
+
+/// Numbers of a surface: components of the sector's nodes in whole panels, all x before all y before all z.
+fn surface(mesh: &Mesh<'_>) -> usize {
+    3 * LANES * mesh.panels()
+}
+
+/// Numbers of a frame: x, y, z, -y and -z of the sector's nodes.
+fn frame(surface: usize) -> usize {
+    5 * surface / 3
+}
+
+/// Coefficients of the modes, in the units of their columns, of a group of controls: the first of each, then the second ones
+/// ...; and how many of them are not zero.
+#[inline(never)]
+fn coefficients<T: Real, const K: usize>(
+    motion: &Motion<'_, '_, T, K>,
+    modes: &MatrixView<'_>,
+    group: usize,
+) -> ([[T; ORDER]; K], usize) {
+    let mut coefficients = [[T::ZERO; ORDER]; K];
+    let mut control = [T::ZERO; K];
+    for i in 0..ORDER {
+        motion.control(ORDER * group + i, &mut control);
+        let shape = part_mut(&mut control, 1..modes.columns() + 1);
+        modes.scale(shape);
+        for (coefficients, shape) in coefficients.iter_mut().zip(shape) {
+            coefficients[i] = *shape;
+        }
+    }
+    let last = coefficients.iter().rposition(|all| *all != [T::ZERO; ORDER]);
+    (coefficients, last.map_or(0, |last| last + 1))
+}
+
+/// Computes a group of surfaces.
+fn compute<T: Real>(snapshot: &Snapshot<'_, '_, T, ORDER>, surfaces: &mut [T], surface: usize) {
+    let panels = snapshot.mesh.panels();
+    for place in 0..3 * panels {
+        let values = snapshot.panel(place % panels, place / panels);
+        for (values, surface) in values.iter().zip(surfaces.chunks_exact_mut(surface)) {
+            part_mut(surface, LANES * place..LANES * (place + 1)).copy_from_slice(values);
+        }
+    }
+}
+
+/// Carries the sector's nodes to all nodes. `sector` holds x, y, z, -y and -z, so that an operation is a choice of two of them.
+fn mirror<T: Real>(mesh: &Mesh<'_>, sector: &[T], out: &mut [[T; 3]]) {
+    let stride = LANES * mesh.panels();
+    let places: [[usize; 2]; 8] = core::array::from_fn(|operation| {
+        images(operation as u8).map(|(axis, opposite)| stride * if opposite { axis + 2 } else { axis })
+    });
+    for ((node, operation), out) in mesh.origins().zip(out) {
+        let [y, z] = places[usize::from(operation % 8)];
+        if let (Some(x), Some(y), Some(z)) = (sector.get(node), sector.get(y + node), sector.get(z + node)) {
+            *out = [*x, *y, *z];
+        }
+    }
+}
