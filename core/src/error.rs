@@ -148,7 +148,8 @@ impl Display for OpenError {
             Self::Version { found, supported } => {
                 write!(
                     f,
-                    "the model file has format {found}, which never existed; this reader knows {supported}"
+                    "the model file has format version {found}, older than {supported}, the only one that this reader knows; build \
+                     the model again"
                 )
             }
             Self::Checksum { expected, found } => {

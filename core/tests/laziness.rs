@@ -23,10 +23,15 @@ fn operations<R>(work: impl FnOnce() -> R) -> usize {
 
 /// Reads of one node: its row of every mode, and its reference position.
 const NODE: usize = 3 * SHAPE_MODES + 3;
-/// Reads of eight nodes that share a panel, of a component of theirs.
-const PANEL: usize = 8 * (SHAPE_MODES + 1);
+/// Reads of a component of eight nodes that share a panel, without their reference positions.
+const PANEL: usize = 8 * SHAPE_MODES;
 /// Reads of one control of the splines: a panel, and the translation's row.
 const CONTROL: usize = (8 + 1) * FUNCTIONS;
+
+/// Panels that nodes fill.
+fn panels(nodes: &[u16]) -> usize {
+    nodes.len().div_ceil(8)
+}
 
 #[test]
 fn a_scene_pays_for_itself_alone() {
@@ -61,11 +66,8 @@ fn a_scene_pays_for_itself_alone() {
 
     let outline = family.sphere.midplane.len();
     let only = |found: usize, panels: usize| {
-        let constants = 8 * panels + CONSTANTS;
-        assert!(
-            (panels * PANEL..=panels * PANEL + constants).contains(&found),
-            "{found} {panels}"
-        );
+        let with_reference = panels * (PANEL + 8) + CONSTANTS;
+        assert!((panels * PANEL..=with_reference).contains(&found), "{found} {panels}");
     };
     only(
         reads(|| instant.positions(&scene(Nodes::Set(MIDPLANE)), &mut buffer).unwrap()),
@@ -79,12 +81,15 @@ fn a_scene_pays_for_itself_alone() {
 
     // Observables: the two outlines; nothing more of the velocity than was read for the displacement.
     // In its plane, a node has two components.
-    let outlines = (family.sphere.midplane.len() + family.sphere.diagonal.len()) * NODE * 2 / 3;
+    // The poles belong to both outlines, and lie in the first one's panels.
+    let outlines = 2 * (panels(&family.sphere.midplane) + panels(&family.sphere.diagonal));
     let observables = reads(|| instant.observables().unwrap());
-    assert!((outlines..outlines + 80).contains(&observables), "{observables}");
-    // A quarter of the elements, each node where it is needed.
+    let most = (outlines + 6) * (PANEL + 8) + 80;
+    assert!((outlines * PANEL..most).contains(&observables), "{observables}");
+    // Every node of the sector once, and the quadrature's constants for every element.
     let volume = reads(|| instant.volume().unwrap());
-    assert!(volume < family.sphere.elements.len() / 4 * (6 * NODE + 200), "{volume}");
+    let most = 3 * sector.div_ceil(8) * (PANEL + 8) + family.sphere.elements.len() / 4 * 200;
+    assert!(volume < most, "{volume} {most}");
 
     // The membrane: the sector's nodes, and from then on nothing but what a deformation needs, which is not stored.
     let stencil = Stencil::at(&model.mesh(), 5).unwrap();
@@ -92,7 +97,7 @@ fn a_scene_pays_for_itself_alone() {
     let mut membrane = None;
     only(
         reads(|| membrane = Some(instant.membrane(&mut positions).unwrap())),
-        sector * NODE,
+        3 * sector.div_ceil(8),
     );
     let membrane = membrane.unwrap();
     let mut deformation = Deformation::ZERO;
@@ -146,31 +151,36 @@ fn a_scene_computes_for_itself_alone() {
         Scene { nodes, frame }
     }
 
-    // The place alone: four controls of every coefficient, and no node.
+    // The place alone: four controls of one coefficient, and no node.
     let mut instant = evaluator.at(Counted(1.23)).unwrap();
-    // Products and sums of the functions, and the sum over lanes.
-    let control = (SHAPE_MODES + 1) * (2 * FUNCTIONS + 9);
-    let splines = 300;
+    // Products and sums of the functions, in a panel.
+    let control = 8 * 2 * FUNCTIONS;
+    let splines = 150;
     let place = operations(|| instant.centroid());
-    assert!(place < 4 * control + splines, "{place}");
-    // The velocity of the place: one coefficient; of all nodes: the same controls.
+    assert!(place < 4 * 2 * FUNCTIONS + splines, "{place}");
+    // The velocity of the place as well; of all nodes: all coefficients.
     let rate = operations(|| instant.centroid_velocity());
     assert!(rate < splines, "{rate}");
     let mut velocity = |list: &[u16]| operations(|| instant.velocities(&scene(Nodes::List(list)), &mut nodes).unwrap());
     let (first, one) = (velocity(&[5]), velocity(&[5]));
-    assert!(first < one + 8 * (SHAPE_MODES + 1) + splines, "{first} {one}");
+    assert!(
+        first < one + 4 * control + 8 * (SHAPE_MODES + 1) + splines,
+        "{first} {one}"
+    );
 
     // Each node for itself.
     let mut position = |list: &[u16]| operations(|| instant.positions(&scene(Nodes::List(list)), &mut nodes).unwrap());
+    position(&[5]);
     let (one, three) = (position(&[5]), position(&[5, 9, 2]));
     assert!(one < 3 * (2 * SHAPE_MODES + 20), "{one}");
     // But for the scale of the translation, which all nodes share.
     assert!(three <= 3 * one && 3 * one <= three + 2 * 4, "{one} {three}");
     let outline = operations(|| instant.outline(MIDPLANE, Frame::Laboratory, &mut points).unwrap());
-    assert!(outline <= family.sphere.midplane.len() * (one + 4), "{outline}");
+    let panel = 8 * (2 * SHAPE_MODES + 20);
+    assert!(outline <= 2 * panels(&family.sphere.midplane) * panel, "{outline}");
     let surface = operations(|| instant.positions(&scene(Nodes::All), &mut nodes).unwrap());
     assert!(
-        surface <= family.sphere.sector_nodes.len() * one + family.nodes() * 3,
+        surface <= 3 * panels(&family.sphere.sector_nodes) * panel + family.nodes() * 3,
         "{surface}"
     );
 

@@ -3,7 +3,7 @@
 use crate::model::Shared;
 use crate::section::curves;
 use capsule_core::{
-    Domain, EvaluateError, Evaluator, Frame, Instant, Method, Nodes, Parameters, Query, Scene, Workspace,
+    Domain, EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_room,
 };
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -14,6 +14,7 @@ use wasm_bindgen::prelude::*;
 pub struct Evaluation {
     shared: Rc<Shared>,
     workspace: Box<Workspace<f32>>,
+    playback: Playback<f32, Vec<f32>>,
     query: Query<f32>,
     t: f32,
 }
@@ -154,8 +155,10 @@ impl Evaluation {
 
 impl Evaluation {
     pub(crate) fn new(shared: Rc<Shared>) -> Self {
+        let room = playback_room(shared.core());
         Self {
             shared,
+            playback: Playback::new(vec![0.0; room]),
             workspace: Box::default(),
             query: Query::new([f32::NAN], Method::Direct),
             t: 0.0,
@@ -173,12 +176,10 @@ impl Evaluation {
     }
 
     fn all_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {
-        let scene = Scene {
-            nodes: Nodes::All,
-            frame: Frame::Centroid,
-        };
         let mut nodes = vec![[0.0; 3]; self.shared.nodes];
-        self.ask(|instant| instant.positions(&scene, &mut nodes))?;
+        let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
+        evaluator.prepare(&self.query)?;
+        evaluator.frame(self.t, Frame::Centroid, &mut self.playback, &mut nodes)?;
         Ok(nodes)
     }
 }

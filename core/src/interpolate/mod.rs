@@ -106,11 +106,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
             if distance >= nearest.limit() || Some(sample) == left_out {
                 continue;
             }
-            let mut parameters = [T::ZERO; MAX_PARAMETERS];
             let stored = part(numbers, sample * dimensions..(sample + 1) * dimensions);
-            for (parameter, number) in parameters.iter_mut().zip(stored) {
-                *parameter = value(number);
-            }
+            let parameters = core::array::from_fn(|d| stored.get(d).map_or(T::ZERO, value));
             if let Some((square, offset)) = around.offset(parameters, nearest.limit()) {
                 nearest.offer(sample, square, offset);
             }
@@ -253,7 +250,7 @@ impl<'s, T: Real, const N: usize> Storage<'s, T, N> {
 /// Polyharmonic kernel of the square of a distance that is positive definite, in any dimension, on weights that annihilate
 /// polynomials of a degree: -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
 fn covariance<T: Real>(degree: usize, square: T) -> T {
-    (0..degree).fold(-square.sqrt(), |value, _| -(value * square))
+    (0..degree).fold(-square.quick_sqrt(), |value, _| -(value * square))
 }
 
 /// Square of the length of a vector of parameters. Written out as the next two: optimised for size, it would be a loop.
