@@ -107,7 +107,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 continue;
             }
             let stored = part(numbers, sample * dimensions..(sample + 1) * dimensions);
-            let parameters = core::array::from_fn(|d| stored.get(d).map_or(T::ZERO, value));
+            let parameter = |d: usize| stored.get(d).map_or(T::ZERO, value);
+            let parameters = [parameter(0), parameter(1), parameter(2), parameter(3)];
             if let Some((square, offset)) = around.offset(parameters, nearest.limit()) {
                 nearest.offer(sample, square, offset);
             }
