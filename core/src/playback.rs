@@ -37,7 +37,7 @@ pub fn playback_room(model: &Model<'_>) -> usize {
 
 impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
     /// Nothing is kept yet. `room` holds at least as many numbers as [`playback_room`] says.
-    pub fn new(room: R) -> Self {
+    pub const fn new(room: R) -> Self {
         Self {
             room,
             prepared: None,

@@ -4,11 +4,13 @@ use crate::line::{Ask, Case, Precision};
 use crate::words::{Text, Word};
 use capsule_core::error::EvaluateError;
 use capsule_core::mechanics::Stencil;
-use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE, Model, Nodes, Query, Scene, Workspace};
+use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE, Model, Nodes, Playback, Query, Scene, Workspace};
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// The most nodes of a mesh.
 const NODES: usize = 4096;
+/// Numbers of a playback of a mesh of as many nodes with the square's symmetry.
+const ROOM: usize = 29 * NODES / 8;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Whether a case has an answer or an error.
@@ -22,6 +24,7 @@ pub struct Asker {
 
 struct Storage<T> {
     workspace: Workspace<T>,
+    playback: Playback<T, [T; ROOM]>,
     vectors: [[T; 3]; NODES],
     points: [[T; 2]; 512],
 }
@@ -30,6 +33,7 @@ impl<T: Word> Storage<T> {
     const fn new() -> Self {
         Self {
             workspace: Workspace::new(),
+            playback: Playback::new([T::ZERO; ROOM]),
             vectors: [[T::ZERO; 3]; NODES],
             points: [[T::ZERO; 2]; 512],
         }
@@ -83,8 +87,14 @@ impl<T: Word> Storage<T> {
             step: Some(step),
             ..Query::new([capillary_number, confinement], case.method)
         })?;
+        if case.ask == Ask::Frame {
+            let count = evaluator.frame(t, Frame::Laboratory, &mut self.playback, &mut self.vectors)?;
+            many(self.vectors.iter().take(count).flatten(), text);
+            return Ok(());
+        }
         let mut instant = evaluator.at(t)?;
         match case.ask {
+            Ask::Frame => {}
             Ask::Observables => {
                 let found = instant.observables()?;
                 text.number(found.axial_length);

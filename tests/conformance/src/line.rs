@@ -27,6 +27,8 @@ pub enum Ask {
     Diagonal,
     /// Positions of all nodes, laboratory frame.
     Positions,
+    /// Positions of all nodes as a frame of a playback, laboratory frame.
+    Frame,
     /// Positions of the nodes 0, 7 and 31, centroid's frame.
     SomePositions,
     /// Velocities of all nodes, laboratory frame.
@@ -41,13 +43,14 @@ pub enum Ask {
 
 impl Ask {
     /// All questions and their names in the file.
-    pub const ALL: [(Self, &'static str); 11] = [
+    pub const ALL: [(Self, &'static str); 12] = [
         (Self::Observables, "observables"),
         (Self::ExpectedError, "expected-error"),
         (Self::Volume, "volume"),
         (Self::Midplane, "midplane"),
         (Self::Diagonal, "diagonal"),
         (Self::Positions, "positions"),
+        (Self::Frame, "frame"),
         (Self::SomePositions, "some-positions"),
         (Self::Velocities, "velocities"),
         (Self::MidplaneVelocities, "midplane-velocities"),
