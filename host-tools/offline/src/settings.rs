@@ -130,7 +130,7 @@ impl Default for Settings {
             storage: Storage::Integer,
             spacing: 0.05,
             kernel: Kernel {
-                neighbours: 20,
+                neighbours: 18,
                 scales: [1.5, 1.0, 1.0, 1.0],
             },
             paper: Paper {
