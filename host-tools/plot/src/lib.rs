@@ -8,18 +8,34 @@
 //! # Ok::<(), capsule_plot::PlotError>(())
 //! ```
 
+mod axis;
 mod cells;
+mod legend;
 mod lines;
 
+pub use axis::Axis;
 pub use cells::Cells;
-pub use lines::{Axis, Curve, Lines};
+pub use lines::{Curve, Lines};
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-const PANEL_SIZE: (u32, u32) = (560, 420);
+/// Width and usual height of a panel, in points, and what is around its axes.
+const PANEL_SIZE: (u32, u32) = (480, 380);
+const MARGIN: u32 = 10;
+const TITLE: u32 = 24;
+const X_LABELS: u32 = 44;
+const Y_LABELS: u32 = 64;
+/// Length of tick marks, and sizes of the title's text and of all other text.
+const TICK: u32 = 5;
+const LARGE: u32 = 16;
+const SMALL: u32 = 14;
+/// Pixels of a point: in a file of pixels, and in the text of an SVG, which has whole numbers only.
+const FINE: u32 = 2;
+const FINEST: u32 = 10;
 const MAX_COLUMNS: usize = 2;
 const TEXT: &str = "sans-serif";
 
@@ -72,16 +88,21 @@ impl Figure {
     /// # Errors
     /// An unknown ending, a panel without finite values, or a file that cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), PlotError> {
-        let (size, rows, columns) = self.layout()?;
-        match path.extension().and_then(|ending| ending.to_str()) {
-            Some("svg") => self.draw(SVGBackend::new(path, size).into_drawing_area(), rows, columns),
-            Some("png") => self.draw(BitMapBackend::new(path, size).into_drawing_area(), rows, columns),
-            _ => return Err(PlotError::Format { path: path.to_owned() }),
-        }
-        .map_err(|error| PlotError::Draw {
+        let failed = |reason: String| PlotError::Draw {
             path: path.to_owned(),
-            reason: error.to_string(),
-        })
+            reason,
+        };
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("svg") => std::fs::write(path, self.svg()?).map_err(|error| failed(error.to_string())),
+            Some("png") => {
+                let layout = self.layout()?;
+                let (width, height) = layout.size();
+                let area = BitMapBackend::new(path, (width * FINE, height * FINE)).into_drawing_area();
+                self.draw(&area, &layout, FINE)
+                    .map_err(|error| failed(error.to_string()))
+            }
+            _ => Err(PlotError::Format { path: path.to_owned() }),
+        }
     }
 
     /// The figure as the text of an SVG.
@@ -89,45 +110,52 @@ impl Figure {
     /// # Errors
     /// A panel without finite values, or one that cannot be drawn.
     pub fn svg(&self) -> Result<String, PlotError> {
-        let (size, rows, columns) = self.layout()?;
+        let layout = self.layout()?;
+        let (width, height) = layout.size();
         let mut text = String::new();
-        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        self.draw(area, rows, columns).map_err(|error| PlotError::Draw {
+        let area = SVGBackend::with_string(&mut text, (width * FINEST, height * FINEST)).into_drawing_area();
+        self.draw(&area, &layout, FINEST).map_err(|error| PlotError::Draw {
             path: PathBuf::from("a figure"),
             reason: error.to_string(),
         })?;
-        Ok(text)
+        drop(area);
+        let fine = format!("width=\"{}\" height=\"{}\"", width * FINEST, height * FINEST);
+        Ok(text.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1))
     }
 
-    /// Checks the panels; the size in pixels, the rows and columns.
-    fn layout(&self) -> Result<((u32, u32), usize, usize), PlotError> {
+    /// Checks the panels, and finds room for them.
+    fn layout(&self) -> Result<Layout, PlotError> {
         register_font();
         for panel in &self.panels {
             panel.check()?;
         }
         let columns = self.panels.len().clamp(1, MAX_COLUMNS);
-        let rows = self.panels.len().div_ceil(columns).max(1);
-        Ok((
-            (PANEL_SIZE.0 * columns as u32, PANEL_SIZE.1 * rows as u32),
-            rows,
+        let height = |row: &[Panel]| row.iter().map(Panel::height).max().unwrap_or(0);
+        Ok(Layout {
             columns,
-        ))
+            rows: self.panels.chunks(columns).map(height).collect(),
+        })
     }
 
     fn draw<B: DrawingBackend>(
         &self,
-        area: DrawingArea<B, Shift>,
-        rows: usize,
-        columns: usize,
+        area: &DrawingArea<B, Shift>,
+        layout: &Layout,
+        unit: u32,
     ) -> Result<(), Box<dyn std::error::Error>>
     where
         B::ErrorType: 'static,
     {
         area.fill(&WHITE)?;
-        for (panel, area) in self.panels.iter().zip(area.split_evenly((rows, columns))) {
-            match panel {
-                Panel::Lines(lines) => lines.draw(&area)?,
-                Panel::Cells(cells) => cells.draw(&area)?,
+        let mut rest = area.clone();
+        for (row, height) in self.panels.chunks(layout.columns).zip(&layout.rows) {
+            let (top, below) = rest.split_vertically(height * unit);
+            rest = below;
+            for (panel, area) in row.iter().zip(top.split_evenly((1, layout.columns))) {
+                match panel {
+                    Panel::Lines(lines) => lines.draw(&area, unit)?,
+                    Panel::Cells(cells) => cells.draw(&area, unit)?,
+                }
             }
         }
         area.present()?;
@@ -135,7 +163,27 @@ impl Figure {
     }
 }
 
+/// Where panels are, in points.
+struct Layout {
+    columns: usize,
+    /// The height of each row.
+    rows: Vec<u32>,
+}
+
+impl Layout {
+    fn size(&self) -> (u32, u32) {
+        (PANEL_SIZE.0 * self.columns as u32, self.rows.iter().sum())
+    }
+}
+
 impl Panel {
+    fn height(&self) -> u32 {
+        match self {
+            Self::Lines(lines) => lines.height(PANEL_SIZE),
+            Self::Cells(_) => PANEL_SIZE.1,
+        }
+    }
+
     fn check(&self) -> Result<(), PlotError> {
         let (title, shows_something) = match self {
             Self::Lines(lines) => (lines.title(), lines.ranges().is_some()),
@@ -148,6 +196,25 @@ impl Panel {
             panel: title.to_owned(),
         })
     }
+}
+
+fn text(size: u32, unit: u32) -> TextStyle<'static> {
+    (TEXT, size * unit).into_text_style(&(0, 0))
+}
+
+/// Writes a panel's title into the middle of an area.
+fn title<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    words: &str,
+    unit: u32,
+) -> Result<(), Box<dyn std::error::Error>>
+where
+    B::ErrorType: 'static,
+{
+    let (width, height) = area.dim_in_pixel();
+    let style = text(LARGE, unit).pos(Pos::new(HPos::Center, VPos::Center));
+    area.draw_text(words, &style, ((width / 2) as i32, (height / 2) as i32))?;
+    Ok(())
 }
 
 /// The fonts travel with the program, so that figures are the same on machines without any.
@@ -198,7 +265,7 @@ mod tests {
         figure().save(&path).unwrap();
         let bytes = std::fs::read(path).unwrap();
         let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
-        assert_eq!((number(16), number(20)), (2 * PANEL_SIZE.0, PANEL_SIZE.1));
+        assert_eq!((number(16), number(20)), (2 * FINE * PANEL_SIZE.0, FINE * PANEL_SIZE.1));
     }
 
     #[test]

@@ -1,55 +1,17 @@
 //! Curves and points over linear or logarithmic axes.
 
-use crate::TEXT;
+use crate::axis::Axis;
+use crate::legend::{Entry, Legend};
+use crate::{MARGIN, SMALL, TICK, TITLE, X_LABELS, Y_LABELS, text, title};
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use std::ops::Range;
 
-/// An axis: its label and scale.
-#[derive(Clone)]
-pub struct Axis {
-    label: String,
-    logarithmic: bool,
-}
-
-impl Axis {
-    /// Equal steps for equal differences.
-    pub fn linear(label: &str) -> Self {
-        Self {
-            label: label.to_owned(),
-            logarithmic: false,
-        }
-    }
-
-    /// Equal steps for equal ratios; values that are not positive are left out.
-    pub fn logarithmic(label: &str) -> Self {
-        Self {
-            label: label.to_owned(),
-            logarithmic: true,
-        }
-    }
-
-    fn shows(&self, value: f64) -> bool {
-        value.is_finite() && (!self.logarithmic || value > 0.0)
-    }
-
-    fn with_margin(&self, range: Range<f64>) -> Range<f64> {
-        if self.logarithmic {
-            return range.start / 1.5..range.end * 1.5;
-        }
-        let width = range.end - range.start;
-        let margin = if width > 0.0 { 0.04 * width } else { 0.5 };
-        range.start - margin..range.end + margin
-    }
-}
-
-/// A named series of points, joined or not.
+/// A named series of points, joined or not. Series of one name have one colour and one entry in the legend.
 pub struct Curve {
     name: String,
     points: Vec<(f64, f64)>,
     joined: bool,
-    like: Option<String>,
 }
 
 impl Curve {
@@ -59,7 +21,6 @@ impl Curve {
             name: name.to_owned(),
             points,
             joined: true,
-            like: None,
         }
     }
 
@@ -69,14 +30,7 @@ impl Curve {
             name: name.to_owned(),
             points,
             joined: false,
-            like: None,
         }
-    }
-
-    /// The same curve in the colour of the first one with this name.
-    pub fn like(mut self, name: &str) -> Self {
-        self.like = Some(name.to_owned());
-        self
     }
 }
 
@@ -88,6 +42,11 @@ pub struct Lines {
     curves: Vec<Curve>,
     same_scale: bool,
 }
+
+/// The least height of the axes of a flat shape.
+const LEAST: u32 = 60;
+/// With more dots than this in a panel, they are smaller.
+const MANY: usize = 100;
 
 impl Lines {
     /// An empty panel.
@@ -136,73 +95,95 @@ impl Lines {
             })
     }
 
-    pub(crate) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), Box<dyn std::error::Error>>
+    /// The height that this panel wants at a width, in points of the drawing: less than the usual for shapes that are long.
+    pub(crate) fn height(&self, (width, usual): (u32, u32)) -> u32 {
+        let Some((xs, ys)) = self.ranges().filter(|_| self.same_scale) else {
+            return usual;
+        };
+        let (xs, ys) = (self.x.with_margin(xs), self.y.with_margin(ys));
+        let around = MARGIN + TITLE + self.legend(width).height() + X_LABELS + MARGIN;
+        let inside = f64::from(width - 2 * MARGIN - Y_LABELS) * (ys.end - ys.start) / (xs.end - xs.start);
+        // Room for the axis' description beside a flat shape.
+        (around + (inside as u32).max(LEAST)).min(usual)
+    }
+
+    /// Names of the curves, each once, in the order of their colours.
+    fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for curve in &self.curves {
+            if !names.contains(&curve.name.as_str()) {
+                names.push(&curve.name);
+            }
+        }
+        names
+    }
+
+    fn legend(&self, width: u32) -> Legend {
+        let entry = |(index, name): (usize, &str)| {
+            let drawn = |joined| self.curves.iter().any(|c| c.name == name && c.joined == joined);
+            Entry {
+                name: name.to_owned(),
+                colour: colour(index),
+                line: drawn(true),
+                dot: drawn(false),
+            }
+        };
+        let names = self.names();
+        let named = names.into_iter().enumerate().filter(|(_, name)| !name.is_empty());
+        Legend::new(named.map(entry).collect(), width)
+    }
+
+    pub(crate) fn draw<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        unit: u32,
+    ) -> Result<(), Box<dyn std::error::Error>>
     where
         B::ErrorType: 'static,
     {
         let Some((xs, ys)) = self.ranges() else { return Ok(()) };
         let (mut xs, mut ys) = (self.x.with_margin(xs), self.y.with_margin(ys));
+        let (width, height) = area.dim_in_pixel();
+        let (top, rest) = area.split_vertically((MARGIN + TITLE) * unit);
+        title(&top, &self.title, unit)?;
+        let legend = self.legend(width / unit);
+        let (middle, chart) = rest.split_vertically(legend.height() * unit);
+        legend.draw(&middle, unit)?;
         if self.same_scale {
-            let (width, height) = area.dim_in_pixel();
-            equalise(&mut xs, &mut ys, (f64::from(width) - 90.0) / (f64::from(height) - 90.0));
+            let width = f64::from(width / unit - 2 * MARGIN - Y_LABELS);
+            let height = f64::from(height / unit - 2 * MARGIN - TITLE - legend.height() - X_LABELS);
+            equalise(&mut xs, &mut ys, width / height);
         }
-        match (self.x.logarithmic, self.y.logarithmic) {
-            (false, false) => self.draw_over(area, xs, ys),
-            (false, true) => self.draw_over(area, xs, ys.log_scale()),
-            (true, false) => self.draw_over(area, xs.log_scale(), ys),
-            (true, true) => self.draw_over(area, xs.log_scale(), ys.log_scale()),
-        }
-    }
-
-    fn draw_over<B, X, Y>(&self, area: &DrawingArea<B, Shift>, xs: X, ys: Y) -> Result<(), Box<dyn std::error::Error>>
-    where
-        B: DrawingBackend,
-        B::ErrorType: 'static,
-        X: AsRangedCoord<Value = f64>,
-        Y: AsRangedCoord<Value = f64>,
-        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-    {
-        let format = |value: &f64| label(*value);
-        let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, (TEXT, 17))
-            .margin(10)
-            .x_label_area_size(42)
-            .y_label_area_size(64)
-            .build_cartesian_2d(xs, ys)?;
+        let mut chart = ChartBuilder::on(&chart)
+            .margin_left(MARGIN * unit)
+            .margin_right(MARGIN * unit)
+            .margin_bottom(MARGIN * unit)
+            .x_label_area_size(X_LABELS * unit)
+            .y_label_area_size(Y_LABELS * unit)
+            .build_cartesian_2d(self.x.over(xs), self.y.over(ys))?;
         chart
             .configure_mesh()
-            .x_desc(&self.x.label)
-            .y_desc(&self.y.label)
-            .x_label_formatter(&format)
-            .y_label_formatter(&format)
-            .label_style((TEXT, 13))
-            .light_line_style(WHITE)
-            .bold_line_style(BLACK.mix(0.12))
+            .x_desc(self.x.label())
+            .y_desc(self.y.label())
+            .label_style(text(SMALL, unit))
+            .axis_desc_style(text(SMALL, unit))
+            .axis_style(BLACK.stroke_width(unit))
+            .set_all_tick_mark_size(TICK * unit)
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(BLACK.mix(0.12).stroke_width(unit))
             .draw()?;
-        for (index, curve) in self.curves.iter().enumerate() {
-            let like = curve.like.as_ref();
-            let model = like.and_then(|name| self.curves.iter().position(|curve| curve.name == *name));
-            let colour = colour(model.unwrap_or(index));
-            let drawn = if curve.joined {
-                chart.draw_series(LineSeries::new(self.visible(curve), colour.stroke_width(2)))?
+        let names = self.names();
+        let dots: usize = self.curves.iter().filter(|c| !c.joined).map(|c| c.points.len()).sum();
+        let radius = if dots > MANY { 2 } else { 3 } * unit;
+        for curve in &self.curves {
+            let index = names.iter().position(|name| *name == curve.name).unwrap_or(0);
+            let colour = colour(index);
+            if curve.joined {
+                chart.draw_series(LineSeries::new(self.visible(curve), colour.stroke_width(2 * unit)))?;
             } else {
-                chart.draw_series(self.visible(curve).map(|at| Circle::new(at, 3, colour.filled())))?
-            };
-            if !curve.name.is_empty() {
-                drawn
-                    .label(&curve.name)
-                    .legend(move |(x, y)| Rectangle::new([(x, y - 1), (x + 16, y + 1)], colour.filled()));
+                let dots = self.visible(curve).map(|at| Circle::new(at, radius, colour.filled()));
+                chart.draw_series(dots)?;
             }
-        }
-        if self.curves.iter().any(|curve| !curve.name.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.8))
-                .border_style(BLACK.mix(0.2))
-                .label_font((TEXT, 13))
-                .draw()?;
         }
         Ok(())
     }
@@ -220,20 +201,6 @@ fn equalise(xs: &mut Range<f64>, ys: &mut Range<f64>, aspect: f64) {
     } else {
         widen(ys, width / aspect);
     }
-}
-
-/// Four significant digits, without trailing zeros; powers of ten outside the comfortable range.
-pub(crate) fn label(value: f64) -> String {
-    let size = value.abs();
-    // Ticks of an axis through zero come out as -2e-16; nothing that is plotted here is that small.
-    if size < 1e-14 {
-        return "0".to_owned();
-    }
-    if !(1e-3..1e5).contains(&size) {
-        return format!("{value:.0e}");
-    }
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Okabe and Ito's palette, distinct for colour-blind readers.
@@ -259,13 +226,5 @@ mod tests {
         let (mut xs, mut ys) = (0.0..4.0, -1.0..1.0);
         equalise(&mut xs, &mut ys, 1.0);
         assert_eq!((xs, ys), (0.0..4.0, -2.0..2.0));
-    }
-
-    #[test]
-    fn labels_are_short() {
-        assert_eq!(
-            [label(0.25), label(3.0), label(0.0), label(1e-7)],
-            ["0.25", "3", "0", "1e-7"]
-        );
     }
 }
