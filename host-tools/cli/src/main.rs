@@ -129,6 +129,8 @@ enum Study {
 }
 
 fn main() -> ExitCode {
+    // Output that nobody reads any more (`capsule-rom ... | head`) ends the command without a word.
+    sigpipe::reset();
     let result = match Arguments::parse().command {
         Command::Fom(Fom::Run(options)) => fom_run::run(&options),
         Command::Fom(Fom::Sweep(options)) => sweep::run(&options),

@@ -122,7 +122,7 @@ fn plot(folder: &Path, report: &Report) -> Result<()> {
                     };
                     (sample.parameters[0], sample.parameters[1], percent[i])
                 });
-                Panel::Cells(Cells::new(&title, &x, &y, "% of a", size, cells.collect()))
+                Panel::Cells(Cells::new(&title, &x, &y, "% of a", size, cells.collect()).logarithmic())
             });
             Figure::new(panels.collect()).save(&folder.join(format!("leave_one_out_{method}_{frame}.svg")))?;
         }

@@ -58,6 +58,7 @@ pub fn run(options: &Options) -> Result<()> {
         progress::show(&bar, task, done, of)
     })?;
     bar.finish_and_clear();
+    drop(folder);
     if let Some(folder) = &options.plots {
         plot(folder, &found)?;
     }

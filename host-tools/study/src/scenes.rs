@@ -2,6 +2,7 @@
 
 use capsule_core::{Method, Model};
 use capsule_gauge::{Arithmetic, Counted, count, peak, reading};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::StudyError;
@@ -43,7 +44,8 @@ pub struct Cost {
     pub reads: usize,
     /// Floating-point operations.
     pub operations: usize,
-    /// Bytes of the model on which the answer to the first question depends, in whole blocks of 256; none if not asked for.
+    /// Bytes of the model on which the answer to a question with the median number of reads depends, in whole blocks of 256;
+    /// none if not asked for.
     pub model_bytes: Option<usize>,
     /// Bytes of the answer.
     pub answer_bytes: usize,
@@ -60,43 +62,71 @@ pub struct Cost {
 /// A file that cannot be opened; too few questions; a question that the model refuses.
 pub fn scenes(file: &[u8], questions: &[Question], limits: &Limits, with_bytes: bool) -> Result<Vec<Cost>, StudyError> {
     let model = Model::open(file)?;
-    let first = questions.first().ok_or(StudyError::NothingToMeasure {
-        queries: 0,
-        repetitions: 1,
-    })?;
-    let mut costs = Vec::new();
-    for task in tasks(&model) {
-        let mut asker = Asker::<Counted>::new(&model, Method::Direct)?;
-        let mut counts = Vec::new();
-        for question in questions.iter().take(101) {
-            asker.before(&model, &task, question)?;
-            let (answered, counted) = count(|| asker.answer(&model, &task, question));
-            answered?;
-            counts.push(counted);
-        }
-        let answer_bytes = size_of::<f32>() * asker.numbers(task.what).len();
-        let median = |of: fn(&capsule_gauge::Counts) -> usize| {
-            let mut values: Vec<usize> = counts.iter().map(of).collect();
-            values.sort_unstable();
-            values[values.len() / 2]
-        };
-        let operations = median(|counts| counts.operations());
-        let model_bytes = with_bytes
-            .then(|| touched(file, BLOCK, &task, first))
-            .transpose()?
-            .map(|blocks| BLOCK * blocks.len());
-        let of_operations = operations as f64 / limits.operations_per_ns;
-        let of_bytes = (model_bytes.unwrap_or_default() + answer_bytes) as f64 / limits.bytes_per_ns;
-        costs.push(Cost {
-            reads: median(|counts| counts.reads),
-            operations,
+    let counted = tasks(&model).map(|task| Counts::new(&model, task, questions));
+    let counted: Vec<Counts> = counted.collect::<Result<_, _>>()?;
+    let bytes_of = |counts: &Counts| -> Result<usize, StudyError> {
+        Ok(BLOCK * touched(file, BLOCK, &counts.task, &counts.typical)?.len())
+    };
+    // Side by side; times are measured afterwards.
+    let bytes: Vec<Option<usize>> = counted
+        .par_iter()
+        .map(|counts| with_bytes.then(|| bytes_of(counts)).transpose())
+        .collect::<Result<_, _>>()?;
+    let cost = |(counts, model_bytes): (Counts, Option<usize>)| {
+        let of_operations = counts.operations as f64 / limits.operations_per_ns;
+        let of_bytes = (model_bytes.unwrap_or_default() + counts.answer_bytes) as f64 / limits.bytes_per_ns;
+        Ok(Cost {
+            reads: counts.reads,
+            operations: counts.operations,
             model_bytes,
-            answer_bytes,
-            timing: time::<f32>(&model, Method::Direct, &task, questions)?,
+            answer_bytes: counts.answer_bytes,
+            timing: time::<f32>(&model, Method::Direct, &counts.task, questions)?,
             least_us: of_operations.max(of_bytes) / 1e3,
-        });
+        })
+    };
+    counted.into_iter().zip(bytes).map(cost).collect()
+}
+
+/// What is counted of a task.
+struct Counts {
+    task: Task,
+    /// Medians over the questions.
+    reads: usize,
+    operations: usize,
+    /// The question that reads as many numbers as the median.
+    typical: Question,
+    answer_bytes: usize,
+}
+
+impl Counts {
+    fn new(model: &Model<'_>, task: Task, questions: &[Question]) -> Result<Self, StudyError> {
+        const MOST: usize = 101;
+        let mut asker = Asker::<Counted>::new(model, Method::Direct)?;
+        let mut counts = Vec::new();
+        for question in questions.iter().take(MOST) {
+            asker.before(model, &task, question)?;
+            let (answered, counted) = count(|| asker.answer(model, &task, question));
+            answered?;
+            counts.push((counted.reads, counted.operations(), *question));
+        }
+        let middle = counts.len() / 2;
+        counts.sort_by_key(|(_, operations, _)| *operations);
+        let operations = counts.get(middle).map(|(_, operations, _)| *operations);
+        counts.sort_by_key(|(reads, _, _)| *reads);
+        let (Some((reads, _, typical)), Some(operations)) = (counts.get(middle), operations) else {
+            return Err(StudyError::NothingToMeasure {
+                queries: 0,
+                repetitions: 1,
+            });
+        };
+        Ok(Self {
+            task,
+            reads: *reads,
+            operations,
+            typical: *typical,
+            answer_bytes: size_of::<f32>() * asker.numbers(task.what).len(),
+        })
     }
-    Ok(costs)
 }
 
 /// Asks one task, once for each question, for programs that count instructions.

@@ -14,6 +14,9 @@ use crate::stability::Subject;
 /// The query that the paper shows.
 const SHOWN: [f64; 2] = [0.10, 0.90];
 
+/// Instants of the profiles.
+const PROFILES: [f64; 4] = [0.0, 1.0, 2.0, 8.0];
+
 /// All nodes of an instant.
 pub(super) const ALL: Scene<'_> = Scene {
     nodes: Nodes::All,
@@ -31,7 +34,7 @@ pub(super) struct Fresh {
 /// Outlines of the full-order model.
 struct Profile {
     parameters: [f64; 2],
-    /// At t = 0, 1, 2, 8: points (x, y), front to rear on the upper side.
+    /// At [`PROFILES`]: points (x, y), front to rear on the upper side.
     outlines: Vec<Vec<(f64, f64)>>,
 }
 
@@ -77,7 +80,7 @@ impl Fresh {
         let predicted = [field(false)?, field(true)?];
         let six = parameters.len().div_ceil(6);
         let outline = |place: &[f64; 2]| -> Result<Profile, StudyError> {
-            let truth = database.read(place)?.extended(database.mesh(), &[0.0, 1.0, 2.0, 8.0])?;
+            let truth = database.read(place)?.extended(database.mesh(), &PROFILES)?;
             let on_it = model.node_set(capsule_core::MIDPLANE);
             let nodes: Vec<usize> = on_it.map_or_else(Vec::new, |set| set.iter().collect());
             let points = |positions: &Vec<[f64; 3]>| {
@@ -125,9 +128,11 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
         ("velocity", truth.velocities.clone(), fresh.predicted[1].clone()),
     ];
     let mut decay: Vec<Series> = Vec::new();
-    for (part, (field, exact, found)) in ["a", "b"]
+    for (part, unit, (field, exact, found)) in ["a", "b"]
         .into_iter()
+        .zip(["l", "V"])
         .zip::<[(&str, Vec<Vec<[f64; 3]>>, Vec<Vec<[f64; 3]>>); 2]>(fields)
+        .map(|((part, unit), of_field)| (part, unit, of_field))
     {
         let matrix = |snapshots: &[Vec<[f64; 3]>]| {
             Mat::from_fn(3 * reference.len(), snapshots.len(), |row, i| {
@@ -158,7 +163,7 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
         }
         let curves = Curves {
             title: format!("Coefficients of the {field}"),
-            axes: [Axis::linear("t V/l"), Axis::linear("coefficient")],
+            axes: [Axis::linear("t V/l"), Axis::linear(&format!("coefficient / {unit}"))],
             same_scale: false,
             series,
         };
@@ -189,8 +194,7 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
 pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Result<Section, StudyError> {
     let mut section = Section::new(
         "Profiles (Fig. 14)",
-        "Sections z = 0 at t = 0, 1, 2 and 8: full-order model (lines) and prediction by direct evaluation (dots); the horizontal \
-         lines are the walls. None of these configurations is in the model.",
+        "Sections z = 0 at t = 0, 1, 2 and 8: full-order model (lines) and prediction by direct evaluation (dots). None of these configurations is in the model.",
     );
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
@@ -208,13 +212,18 @@ pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Resul
                 .collect::<Vec<_>>()
         };
         let (mut exact, mut found) = (Vec::new(), Vec::new());
-        for (t, outline) in [0.0, 1.0, 2.0, 8.0].into_iter().zip(&profile.outlines) {
+        let mut rows = Vec::new();
+        for (t, outline) in PROFILES.into_iter().zip(&profile.outlines) {
             let mut points = vec![[0.0; 2]; outline.len()];
             evaluator
                 .at(t)?
                 .outline(capsule_core::MIDPLANE, Frame::Laboratory, &mut points)?;
             let points: Vec<(f64, f64)> = points.iter().map(|[x, y]| (*x, *y)).collect();
-            exact.push((if t == 0.0 { "FOM" } else { "" }.to_owned(), true, closed(outline)));
+            for (by, points) in [("FOM", outline), ("ROM", &points)] {
+                let row = |(x, y): &(f64, f64)| vec![by.to_owned(), t.to_string(), x.to_string(), y.to_string()];
+                rows.extend(points.iter().map(row));
+            }
+            exact.push(("FOM".to_owned(), true, closed(outline)));
             found.extend(closed(&points).into_iter().step_by(3));
         }
         let end = exact
@@ -222,7 +231,7 @@ pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Resul
             .flat_map(|(_, _, points): &Series| points)
             .map(|(x, _)| *x)
             .fold(0.0, f64::max);
-        let walls = [-1.0, 1.0].map(|y| (String::new(), true, vec![(-1.5, y), (end + 0.5, y)]));
+        let walls = [-1.0, 1.0].map(|y| ("walls".to_owned(), true, vec![(-1.5, y), (end + 0.5, y)]));
         let mut series: Vec<Series> = exact;
         series.push(("ROM".to_owned(), false, found));
         series.extend(walls);
@@ -233,12 +242,9 @@ pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Resul
             same_scale: true,
             series,
         };
-        section.curves(
-            sheet,
-            &format!("fig14_{}.csv", index + 1),
-            &format!("Fig. 14 ({}): {title}", index + 1),
-            curves,
-        )?;
+        let file = format!("fig14_{}.csv", index + 1);
+        sheet.csv(&file, &["by", "t", "x", "y"], rows.into_iter())?;
+        section.panel(curves.panel(), &format!("Fig. 14 ({}): {title}", index + 1), &file)?;
     }
     Ok(section)
 }
@@ -254,8 +260,8 @@ pub(super) fn calibration(
     let mut section = Section::new(
         "True and stated errors",
         &format!(
-            "{} configurations that no sample shares. Modified Hausdorff distance in per cent of a. Below the diagonal the model expects \
-             more than it errs; it also states a bound that 95 % of the errors shall keep.",
+            "{} configurations that no sample shares. Modified Hausdorff distance in per cent of a. The model states an \
+             expected error and a bound that 95 % of the errors shall keep: these lie below the diagonal.",
             fresh.samples
         ),
     );
@@ -273,21 +279,21 @@ pub(super) fn calibration(
     for (method, instants) in &fresh.methods {
         let mut series: Vec<Series> = Vec::new();
         let stated = &fresh.stated[method];
-        for ((i, errors), stated) in instants.iter().enumerate().zip(&stated.instants) {
+        for ((i, errors), at) in instants.iter().enumerate().zip(&stated.instants) {
             let numbers = [
                 errors.lab_mean_percent,
                 errors.lab_max_percent,
                 errors.shape_mean_percent,
                 errors.shape_max_percent,
-                stated.expected_mean_percent,
-                stated.bound_mean_percent,
+                at.expected_mean_percent,
+                at.bound_mean_percent,
             ];
             let numbers: Vec<String> = numbers.iter().map(|value| format!("{value:.4}")).collect();
-            let below = format!("{:.0} %", stated.below_bound_percent);
+            let below = format!("{:.0}", at.below_bound_percent);
             rows.push([vec![(*method).to_owned(), errors.t.to_string()], numbers, vec![below]].concat());
             let points = fresh.compared[method]
                 .iter()
-                .map(|c| (100.0 * c.expected[i], 100.0 * c.laboratory[i]));
+                .map(|c| (100.0 * c.bound[i], 100.0 * c.laboratory[i]));
             series.push((format!("t = {}", errors.t), false, points.collect()));
         }
         let places = series
@@ -299,15 +305,18 @@ pub(super) fn calibration(
             .fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], v| [a.min(v), b.max(v)]);
         series.push(("equal".to_owned(), true, vec![(low, low), (high, high)]));
         let curves = Curves {
-            title: format!("Expected and true error, {method}"),
+            title: format!("True error and its 95 % bound, {method}"),
             axes: [
-                Axis::logarithmic("expected / % of a"),
-                Axis::logarithmic("true / % of a"),
+                Axis::logarithmic("bound / % of a"),
+                Axis::logarithmic("true error / % of a"),
             ],
             same_scale: false,
             series,
         };
-        let caption = format!("Calibration of the expected error, {method}");
+        let caption = format!(
+            "Calibration, {method}: {:.1} % of all errors are below their bound",
+            stated.below_bound_percent
+        );
         section.curves(sheet, &format!("calibration_{method}.csv"), &caption, curves)?;
     }
     let heading = [
@@ -319,7 +328,7 @@ pub(super) fn calibration(
         "shape max %",
         "mean expected %",
         "mean bound %",
-        "below the bound",
+        "below the bound %",
     ];
     section.table(sheet, "fresh_summary.csv", &heading, rows)?;
     Ok(section)

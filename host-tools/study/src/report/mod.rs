@@ -14,7 +14,7 @@ use capsule_core::Model;
 use capsule_offline::Progress;
 
 use crate::StudyError;
-use crate::stability::{Subject, panels, stability};
+use crate::stability::{Subject, file_name, panels, stability};
 use sheet::{Section, Sheet};
 
 /// Writes `index.html` and its data into `folder`.
@@ -45,7 +45,7 @@ pub fn report(subject: &Subject, folder: &Path, progress: Progress) -> Result<()
     sections.push(accuracy::profiles(&mut sheet, &model, &fresh)?);
     sections.push(accuracy::calibration(&mut sheet, subject, &model, progress)?);
     step(3, "run time against error");
-    sections.push(cost::pareto(&mut sheet, subject, &model)?);
+    sections.extend(cost::pareto(&mut sheet, subject, &model, progress)?);
     step(4, "scenes");
     sections.push(cost::scenes(&mut sheet, subject, &model)?);
     step(5, "stability");
@@ -107,16 +107,12 @@ fn stable(sheet: &mut Sheet, found: &crate::stability::Stability) -> Result<Sect
     ];
     sheet.csv("stability_map.csv", &heading, places)?;
     for (name, panel) in panels(found) {
-        let data = if found
-            .rows
-            .iter()
-            .any(|row| name == crate::stability::file_name(&row.setting))
-        {
-            "stability_settings.csv"
-        } else {
-            "stability_map.csv"
+        let setting = found.rows.iter().find(|row| name == file_name(&row.setting));
+        let (caption, data) = match setting {
+            Some(row) => (format!("Error against {}", row.setting), "stability_settings.csv"),
+            None => (name.replace('_', " "), "stability_map.csv"),
         };
-        section.panel(panel, &name.replace('_', " "), data)?;
+        section.panel(panel, &caption, data)?;
     }
     let checks = found.checks.iter().map(|check| {
         let counts = [check.cases, check.answered, check.refused, check.violations].map(|count| count.to_string());

@@ -24,7 +24,8 @@ figcaption{font-size:.875rem;color:var(--soft)}
 .table{overflow-x:auto;margin:1rem 0}
 table{border-collapse:collapse;font-size:.875rem}
 th,td{padding:.25rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-th{white-space:nowrap}";
+th{white-space:nowrap}
+.number{text-align:right;font-variant-numeric:tabular-nums}";
 
 /// One page with everything in it.
 pub(super) fn page(model: &Model, sections: &[Section]) -> String {
@@ -73,14 +74,18 @@ fn figure(body: &mut String, drawing: &Drawing) {
 
 fn table(body: &mut String, table: &Table) {
     body.push_str("<div class=\"table\" tabindex=\"0\"><table><thead><tr>");
-    for cell in &table.heading {
-        let _ = write!(body, "<th scope=\"col\">{}</th>", escape(cell));
+    for (index, cell) in table.heading.iter().enumerate() {
+        let numbers = table
+            .rows
+            .iter()
+            .any(|row| row.get(index).is_some_and(|cell| number(cell)));
+        let _ = write!(body, "<th scope=\"col\"{}>{}</th>", class(numbers), escape(cell));
     }
     body.push_str("</tr></thead><tbody>");
     for row in &table.rows {
         body.push_str("<tr>");
         for cell in row {
-            let _ = write!(body, "<td>{}</td>", escape(cell));
+            let _ = write!(body, "<td{}>{}</td>", class(number(cell)), escape(cell));
         }
         body.push_str("</tr>");
     }
@@ -89,6 +94,14 @@ fn table(body: &mut String, table: &Table) {
         "</tbody></table><p><a href=\"{0}\">{0}</a></p></div>",
         escape(&table.data)
     );
+}
+
+fn number(cell: &str) -> bool {
+    cell.parse::<f64>().is_ok()
+}
+
+fn class(numbers: bool) -> &'static str {
+    if numbers { " class=\"number\"" } else { "" }
 }
 
 /// A drawing with a text for those who do not see it, in the page's colours.

@@ -23,13 +23,17 @@ pub(super) fn section(sheet: &mut Sheet, model: &Model) -> Result<Section, Study
     let [ca, confinement] = [0.10, 0.90];
     let mut section = Section::new(
         "The capsule in space (Fig. 12)",
-        &format!("Predicted shapes at Ca = {ca}, a/l = {confinement}, in the frame of the centroid."),
+        &format!(
+            "Predicted shapes at Ca = {ca}, a/l = {confinement}, in the frame of the centroid; behind them the shape at t = 0. The flow goes \
+             to the right."
+        ),
     );
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
     evaluator.prepare(&Query::new([ca, confinement], Method::Direct))?;
     let mut nodes = vec![[0.0; 3]; model.contents().mesh.nodes as usize];
     let mut rows = Vec::new();
+    let mut first = String::new();
     for t in INSTANTS {
         let mut instant = evaluator.at(t)?;
         let centroid = instant.centroid();
@@ -39,9 +43,17 @@ pub(super) fn section(sheet: &mut Sheet, model: &Model) -> Result<Section, Study
             let numbers = [*x, *y, *z].map(|value| format!("{value:.6}"));
             [vec![t.to_string(), i.to_string()], numbers.to_vec()].concat()
         }));
+        let shape = faces(model, &nodes);
+        if first.is_empty() {
+            first.clone_from(&shape);
+        }
         section.figures.push(Drawing {
             caption: format!("Fig. 12: t = {t}, centroid at x = {centroid:.2} l"),
-            svg: drawing(model, &nodes),
+            svg: format!(
+                "<svg width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" xmlns=\"http://www.w3.org/2000/svg\" \
+                 stroke-width=\"0.4\"><g opacity=\"0.25\">{first}</g>{shape}</svg>",
+                SIZE[0], SIZE[1]
+            ),
             data: "fig12_nodes.csv".to_owned(),
         });
     }
@@ -53,8 +65,8 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|d| a[d] * b[d]).sum()
 }
 
-/// The faces that look to the eye.
-fn drawing(model: &Model, nodes: &[[f64; 3]]) -> String {
+/// The faces that look to the eye, as paths of an SVG.
+fn faces(model: &Model, nodes: &[[f64; 3]]) -> String {
     let mut faces = Vec::new();
     for element in model.mesh().elements() {
         let [a, b, c] = [0, 1, 2].map(|corner| nodes[usize::from(element[corner])]);
@@ -71,10 +83,7 @@ fn drawing(model: &Model, nodes: &[[f64; 3]]) -> String {
         }
     }
     faces.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut svg = format!(
-        "<svg width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" xmlns=\"http://www.w3.org/2000/svg\" stroke-width=\"0.4\">",
-        SIZE[0], SIZE[1]
-    );
+    let mut paths = String::new();
     for (_, light, corners) in faces {
         let shade = 70.0 + 165.0 * light;
         let [red, green, blue] = [0.55, 0.78, 1.0].map(|share| (share * shade) as u8);
@@ -87,11 +96,10 @@ fn drawing(model: &Model, nodes: &[[f64; 3]]) -> String {
             format!("{x:.1},{y:.1}")
         });
         let _ = write!(
-            svg,
+            paths,
             "<path d=\"M{}Z\" fill=\"{colour}\" stroke=\"{colour}\"/>",
             points.join("L")
         );
     }
-    svg.push_str("</svg>");
-    svg
+    paths
 }

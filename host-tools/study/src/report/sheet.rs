@@ -95,7 +95,7 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    fn panel(self) -> Panel {
+    pub(super) fn panel(self) -> Panel {
         let [x, y] = self.axes;
         let mut lines = Lines::new(&self.title, x, y);
         if self.same_scale {

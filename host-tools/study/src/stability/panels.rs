@@ -33,29 +33,20 @@ pub fn panels(stability: &Stability) -> Vec<(String, Panel)> {
         ("lebesgue_paper", "Lebesgue constant, paper", |place| {
             place.paper_lebesgue
         }),
-        ("condition", "log10 of the condition number, paper", |place| {
-            place.condition.log10()
-        }),
-        ("single_precision", "log10 of the weights' error in f32", |place| {
-            place.single_precision.max(1e-12).log10()
+        ("condition", "Condition number, paper", |place| place.condition),
+        ("single_precision", "Greatest error of a weight in f32", |place| {
+            place.single_precision.max(1e-12)
         }),
     ];
-    for (name, title, value) in quantities {
+    for (index, (name, title, value)) in quantities.into_iter().enumerate() {
         let cells = stability
             .places
             .iter()
             .map(|place| (place.capillary_number, place.confinement, value(place)));
-        panels.push((
-            name.to_owned(),
-            Panel::Cells(Cells::new(
-                title,
-                "Ca",
-                "a/l",
-                "",
-                cell(&stability.places),
-                cells.collect(),
-            )),
-        ));
+        let map = Cells::new(title, "Ca", "a/l", "", cell(&stability.places), cells.collect());
+        // Lebesgue constants are of one order, the others of many.
+        let map = if index < 2 { map } else { map.logarithmic() };
+        panels.push((name.to_owned(), Panel::Cells(map)));
     }
     panels
 }
@@ -83,7 +74,7 @@ fn setting(rows: &[&Row]) -> Panel {
     } else {
         Axis::linear(name)
     };
-    let title = format!("Error at t = {}: mean (line), greatest (dots)", INSTANTS[1]);
+    let title = format!("Error at t = {}, mean and greatest", INSTANTS[1]);
     let mut by: Vec<&str> = rows.iter().map(|row| row.by.as_str()).collect();
     by.sort_unstable();
     by.dedup();
@@ -98,7 +89,7 @@ fn setting(rows: &[&Row]) -> Panel {
         lines = lines.with(Curve::line(by, points(by, |row| row.mean_percent[1])));
     }
     for by in &by {
-        lines = lines.with(Curve::points("", points(by, |row| row.max_percent[1])).like(by));
+        lines = lines.with(Curve::points(by, points(by, |row| row.max_percent[1])));
     }
     Panel::Lines(lines)
 }

@@ -20,7 +20,7 @@ pub(crate) fn changed(model: &Model, change: impl FnOnce(&mut Contents)) -> Resu
     Ok(bytes)
 }
 
-pub(crate) const SCHEMES: [(Scheme, &str); 3] = [
+const SCHEMES: [(Scheme, &str); 3] = [
     (Scheme::Euler, "Euler"),
     (Scheme::Heun, "Heun"),
     (Scheme::RungeKutta4, "RK4"),
