@@ -6,8 +6,7 @@ use capsule_core::mechanics::Deformation;
 use capsule_database::fields::Instant;
 use capsule_database::vtu::PointData;
 use capsule_fom::mechanics::Mechanics;
-use capsule_fom::system::Discretisation;
-use capsule_fom::{Outcome, Settings};
+use capsule_fom::{Outcome, Solver};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -151,7 +150,7 @@ pub struct History {
 }
 
 /// The snapshots of a full-order run with velocities and the quantities that `fields` ask for, and their totals.
-pub fn of_run(fields: &[Field], settings: &Settings, outcome: &Outcome) -> Result<(Vec<Surface>, Option<History>)> {
+pub fn of_run(fields: &[Field], solver: &Solver, outcome: &Outcome) -> Result<(Vec<Surface>, Option<History>)> {
     let surface = |(i, &time): (usize, &f64)| Surface {
         time,
         positions: outcome.positions[i].clone(),
@@ -161,8 +160,7 @@ pub fn of_run(fields: &[Field], settings: &Settings, outcome: &Outcome) -> Resul
     if fields.is_empty() {
         return Ok((surfaces, None));
     }
-    let discretisation = Discretisation::new(settings.mesh_frequency, settings.symmetric, settings.membrane)?;
-    let mechanics = Mechanics::new(&discretisation)?;
+    let mechanics = Mechanics::new(solver.discretisation())?;
     let (radius, capillary_number) = (
         outcome.configuration.confinement,
         outcome.configuration.capillary_number,

@@ -110,7 +110,7 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(warning) = record::film_warning(&solver, &outcome) {
         eprintln!("warning: {warning}");
     }
-    let (surfaces, mechanics) = fields::of_run(&options.fields, solver.settings(), &outcome)?;
+    let (surfaces, mechanics) = fields::of_run(&options.fields, &solver, &outcome)?;
     write(options, &solver, &outcome, &surfaces)?;
     if options.json {
         return print::json(&summary(options, &solver, &outcome, mechanics));

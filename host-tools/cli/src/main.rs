@@ -27,6 +27,7 @@ mod study_scenes;
 mod study_smoothness;
 mod study_speed;
 mod study_stability;
+mod subject;
 mod sweep;
 
 use clap::{CommandFactory, Parser, Subcommand};

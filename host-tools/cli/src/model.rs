@@ -2,8 +2,9 @@
 
 use anyhow::{Context, Result};
 use capsule_core::Model;
+use clap::Args;
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Keeps the embedded file on the boundary on which its matrices are read in place.
 #[repr(C, align(16))]
@@ -11,26 +12,36 @@ struct Aligned<T: ?Sized>(T);
 
 static SHIPPED: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../models/capsule.crom"));
 
-/// The bytes of the file, or of the shipped model.
-pub fn read(path: Option<&Path>) -> Result<Cow<'static, [u8]>> {
-    match path {
-        None => Ok(Cow::Borrowed(&SHIPPED.0)),
-        Some(path) => {
-            Ok(Cow::Owned(std::fs::read(path).with_context(|| {
-                format!("could not read the model {}", path.display())
-            })?))
-        }
-    }
+/// Which model a command works with.
+#[derive(Args)]
+pub struct ModelFile {
+    /// Model file [default: the shipped model]
+    #[arg(long = "model", value_name = "FILE")]
+    path: Option<PathBuf>,
 }
 
-/// The model in these bytes.
-pub fn open<'a>(bytes: &'a [u8], path: Option<&Path>) -> Result<Model<'a>> {
-    Model::open(bytes)
-        .map_err(anyhow::Error::new)
-        .with_context(|| match path {
-            None => "the shipped model".to_owned(),
-            Some(path) => format!("the model {}", path.display()),
-        })
+impl ModelFile {
+    /// The bytes of the file, or of the shipped model.
+    pub fn read(&self) -> Result<Cow<'static, [u8]>> {
+        match &self.path {
+            None => Ok(Cow::Borrowed(&SHIPPED.0)),
+            Some(path) => {
+                Ok(Cow::Owned(std::fs::read(path).with_context(|| {
+                    format!("could not read the model {}", path.display())
+                })?))
+            }
+        }
+    }
+
+    /// The model in its bytes.
+    pub fn open<'a>(&self, bytes: &'a [u8]) -> Result<Model<'a>> {
+        Model::open(bytes)
+            .map_err(anyhow::Error::new)
+            .with_context(|| match &self.path {
+                None => "the shipped model".to_owned(),
+                Some(path) => format!("the model {}", path.display()),
+            })
+    }
 }
 
 /// The digest as people and file names show it.

@@ -1,8 +1,9 @@
 //! `capsule-rom predict`: the reduced-order model at chosen instants.
 
 use crate::fields::{self, Column, Field, Surface, Totals};
+use crate::model::{self, ModelFile};
 use crate::parameters::QueryOptions;
-use crate::{model, outlines, print};
+use crate::{outlines, print};
 use anyhow::{Context, Result};
 use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::model::wire::{Reference, Units};
@@ -27,9 +28,8 @@ pub struct Options {
     /// Answer outside the sampled domain too
     #[arg(long)]
     extrapolate: bool,
-    /// Model file [default: the shipped model]
-    #[arg(long)]
-    model: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelFile,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -136,9 +136,8 @@ impl InstantRow {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let path = options.model.as_deref();
-    let bytes = model::read(path)?;
-    let model = model::open(&bytes, path)?;
+    let bytes = options.model.read()?;
+    let model = options.model.open(&bytes)?;
     let method = options.method.map_or(model.contents().default_method, Method::from);
     let parameters = options.query.of(&model)?;
     let mut workspace = Box::new(Workspace::<f32>::new());

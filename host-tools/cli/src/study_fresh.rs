@@ -1,6 +1,7 @@
 //! `capsule-rom study fresh`: the model against configurations that no sample shares.
 
-use crate::{model, print, progress};
+use crate::model::ModelFile;
+use crate::{print, progress};
 use anyhow::{Context, Result};
 use capsule_database::Database;
 use clap::Args;
@@ -9,9 +10,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Model file [default: the shipped one]
-    #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelFile,
     /// Folder of the test set, a snapshot database
     #[arg(long, value_name = "DIR", default_value = "models/fresh")]
     tests: PathBuf,
@@ -36,8 +36,8 @@ the shape alone (in the frame of the centroid), at the configurations of a test 
 them what the model itself states: the expected error, and the bound that 95 % of the errors should stay below.";
 
 pub fn run(options: &Options) -> Result<()> {
-    let bytes = model::read(options.model.as_deref())?;
-    let model = model::open(&bytes, options.model.as_deref())?;
+    let bytes = options.model.read()?;
+    let model = options.model.open(&bytes)?;
     let tests = Database::open(&options.tests)?;
     let bar = progress::tasks(options.quiet);
     let fresh = capsule_study::fresh(&model, &tests, &|task, done, of| {

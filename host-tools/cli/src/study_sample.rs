@@ -1,6 +1,7 @@
 //! `capsule-rom study sample`: which configurations to compute next.
 
-use crate::{model, print, progress};
+use crate::model::ModelFile;
+use crate::{print, progress};
 use anyhow::{Context, Result};
 use capsule_database::Database;
 use capsule_study::sample::{Replayed, Suggestion, replay, suggest};
@@ -11,9 +12,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Model file [default: the shipped one]
-    #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelFile,
     /// How many configurations
     #[arg(long, default_value_t = 10)]
     count: usize,
@@ -67,8 +67,8 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(most) = options.replay {
         return run_replay(options, most);
     }
-    let bytes = model::read(options.model.as_deref())?;
-    let model = model::open(&bytes, options.model.as_deref())?;
+    let bytes = options.model.read()?;
+    let model = options.model.open(&bytes)?;
     let suggestions = suggest(&model, options.count, options.until)?;
     let names = model.contents().metadata.parameters.iter().map(|p| p.name);
     // As the columns of `fom sweep --points` are called.

@@ -1,19 +1,18 @@
 //! `capsule-rom study scenes`: what each kind of answer costs, counted and timed.
 
-use crate::{model, print};
+use crate::model::ModelFile;
+use crate::print;
 use anyhow::{Context, Result};
 use capsule_study::scenes::{Cost, Limits, once, scenes};
 use capsule_study::task::{questions, tasks};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  capsule-rom study scenes --json")]
 pub struct Options {
-    /// Model file [default: the shipped model]
-    #[arg(long)]
-    model: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelFile,
     /// How many random queries each task is timed with
     #[arg(long, default_value_t = 501)]
     queries: usize,
@@ -35,9 +34,8 @@ struct Report {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let path = options.model.as_deref();
-    let bytes = model::read(path)?;
-    let model = model::open(&bytes, path)?;
+    let bytes = options.model.read()?;
+    let model = options.model.open(&bytes)?;
     if let Some(name) = &options.once {
         let task = tasks(&model).find(|task| task.name == name);
         return Ok(once(

@@ -1,6 +1,7 @@
 //! `capsule-rom study speed`: how long the model takes to answer, on one core of this machine.
 
-use crate::{interrupt, model, print};
+use crate::model::ModelFile;
+use crate::{interrupt, print};
 use anyhow::{Context, Result};
 use capsule_core::{Method, Model};
 use capsule_fom::{Configuration, Settings, Solver};
@@ -8,14 +9,12 @@ use capsule_study::speed::{Timing, time};
 use capsule_study::task::{QUERIES, Question, Task, questions, tasks};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  capsule-rom study speed --json")]
 pub struct Options {
-    /// Model file [default: the shipped model]
-    #[arg(long)]
-    model: Option<PathBuf>,
+    #[command(flatten)]
+    model: ModelFile,
     /// How many random queries each task is timed with
     #[arg(long, default_value_t = 1001)]
     queries: usize,
@@ -67,9 +66,8 @@ const BESIDE: usize = 21;
 const PAPER_SHARE: usize = 20;
 
 pub fn run(options: &Options) -> Result<()> {
-    let path = options.model.as_deref();
-    let bytes = model::read(path)?;
-    let model = model::open(&bytes, path)?;
+    let bytes = options.model.read()?;
+    let model = options.model.open(&bytes)?;
     let asked = questions(&model, options.queries)?;
     let mut timings = Vec::new();
     for task in tasks(&model) {

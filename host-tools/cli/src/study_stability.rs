@@ -1,28 +1,18 @@
 //! `capsule-rom study stability`: where the methods stop to be accurate, and whether they say so.
 
-use crate::{model, print, progress};
+use crate::subject::SubjectOptions;
+use crate::{print, progress};
 use anyhow::{Context, Result, bail};
-use capsule_database::Database;
 use capsule_plot::Figure;
-use capsule_study::stability::{Stability, Subject, panels, stability};
+use capsule_study::stability::{Stability, panels, stability};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Model file [default: the shipped model]
-    #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
-    /// Folder of the snapshot database
-    #[arg(long, value_name = "DIR", default_value = "models/database")]
-    database: PathBuf,
-    /// Folder of the configurations that the model does not contain
-    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
-    fresh: PathBuf,
-    /// A minute instead of several
-    #[arg(long)]
-    quick: bool,
+    #[command(flatten)]
+    subject: SubjectOptions,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -44,17 +34,10 @@ model does not contain; a failure is no answer, or one that is wrong by more tha
 question was answered wrongly instead of being refused.";
 
 pub fn run(options: &Options) -> Result<()> {
-    let bytes = model::read(options.model.as_deref())?;
-    let (database, fresh) = (Database::open(&options.database)?, Database::open(&options.fresh)?);
-    let subject = Subject {
-        model: &bytes,
-        database: &database,
-        fresh: &fresh,
-        quick: options.quick,
-    };
+    let files = options.subject.open()?;
     let bar = progress::tasks(options.quiet);
     let folder = tempfile::tempdir().context("could not create a temporary folder")?;
-    let found = stability(&subject, folder.path(), &|task, done, of| {
+    let found = stability(&files.subject(), folder.path(), &|task, done, of| {
         progress::show(&bar, task, done, of)
     })?;
     bar.finish_and_clear();

@@ -1,6 +1,6 @@
-//! The batch script of a sweep on a Slurm of one node, which the test installs (Debian, as root) and starts on loopback.
+//! The batch script of a sweep on a Slurm of one node, which the test starts on loopback.
 //!
-//! `cargo test -p capsule-cli --test slurm -- --nocapture`; without the means it says so and passes.
+//! `cargo xtask test --only cluster` installs Slurm (Debian, as root) and runs it; without Slurm it says so and passes.
 
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
@@ -47,32 +47,14 @@ fn text(command: &mut Command) -> String {
     String::from_utf8_lossy(&output.stdout).trim().to_owned()
 }
 
-/// Installs what is missing, or says why it cannot.
-fn install() -> Result<(), String> {
+/// Why the test cannot run, if it cannot.
+fn missing() -> Option<&'static str> {
     let there = |program: &str| succeeds(Command::new("sh").args(["-c", &format!("command -v {program}")]));
     if text(Command::new("id").arg("-u")) != "0" {
-        return Err("the daemons need root".to_owned());
+        return Some("the daemons need root");
     }
-    if ["munged", "slurmctld", "slurmd", "sbatch"].into_iter().all(there) {
-        return Ok(());
-    }
-    let packages = "slurmctld slurmd slurm-client munge";
-    let by_hand = format!("apt-get install {packages}");
-    if !there("apt-get") {
-        return Err(format!("Slurm is missing; on Debian, `{by_hand}`"));
-    }
-    let apt = |arguments: &str| {
-        let mut command = Command::new("apt-get");
-        command.args(arguments.split_whitespace());
-        // Daemons of the packages stay off; the test starts its own.
-        succeeds(command.env("DEBIAN_FRONTEND", "noninteractive").env("RUNLEVEL", "1"))
-    };
-    let installed = apt("update -qq") && apt(&format!("install -y -qq --no-install-recommends {packages}"));
-    if installed {
-        Ok(())
-    } else {
-        Err(format!("Slurm is missing and `{by_hand}` failed"))
-    }
+    let all = ["munged", "slurmctld", "slurmd", "sbatch"].into_iter().all(there);
+    (!all).then_some("Slurm is missing; `cargo xtask test --only cluster` installs it")
 }
 
 fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
@@ -178,7 +160,7 @@ fn digest(folder: &Path) -> u64 {
 
 #[test]
 fn a_job_array_makes_the_database_of_one_sweep() {
-    if let Err(reason) = install() {
+    if let Some(reason) = missing() {
         println!("LEFT OUT: {reason}");
         return;
     }

@@ -176,22 +176,6 @@ impl Database {
         writer.finish()
     }
 
-    /// Records how a configuration ended, without snapshots, so that a sweep does not try it again.
-    ///
-    /// # Errors
-    /// As [`Database::write`].
-    pub fn record(&self, parameters: &[f64], status: Status) -> Result<(), DatabaseError> {
-        self.write(&Trajectory {
-            parameters: parameters.to_vec(),
-            status,
-            times: vec![],
-            positions: vec![],
-            velocities: vec![],
-            centroid: vec![],
-            pressure_drop: vec![],
-        })
-    }
-
     /// All configurations, ascending in their parameters, without their snapshots.
     ///
     /// # Errors
@@ -420,6 +404,19 @@ mod tests {
         assert!(worst(&copy.positions, &original.positions) <= 0.52 * compact::POSITION_STEP);
     }
 
+    /// How a configuration ended, without snapshots.
+    fn ended(parameters: &[f64], status: Status) -> Trajectory {
+        Trajectory {
+            parameters: parameters.to_vec(),
+            status,
+            times: vec![],
+            positions: vec![],
+            velocities: vec![],
+            centroid: vec![],
+            pressure_drop: vec![],
+        }
+    }
+
     #[test]
     fn a_status_is_recorded_without_snapshots() {
         let directory = tempfile::tempdir().unwrap();
@@ -428,8 +425,8 @@ mod tests {
             time: 3.4,
             reason: "a node touched the wall".to_owned(),
         };
-        database.record(&[0.2, 1.2], status.clone()).unwrap();
-        database.record(&[0.15, 0.95], Status::Unsteady).unwrap();
+        database.write(&ended(&[0.2, 1.2], status.clone())).unwrap();
+        database.write(&ended(&[0.15, 0.95], Status::Unsteady)).unwrap();
         assert!(database.contains(&[0.2, 1.2]));
         let entries = database.entries().unwrap();
         assert_eq!(entries[0].parameters, [0.15, 0.95]);
@@ -466,7 +463,7 @@ mod tests {
     #[test]
     fn a_sweep_goes_on_but_only_with_the_same_settings() {
         let directory = tempfile::tempdir().unwrap();
-        fresh(&directory).record(&[0.1, 0.9], Status::Unsteady).unwrap();
+        fresh(&directory).write(&ended(&[0.1, 0.9], Status::Unsteady)).unwrap();
         assert!(fresh(&directory).contains(&[0.1, 0.9]));
         let error = Database::create(directory.path(), description(), octahedral(2)).unwrap_err();
         assert!(error.to_string().contains("differ in mesh"), "{error}");
@@ -487,7 +484,7 @@ mod tests {
         }
         std::fs::write(directories[0].path().join(".tmp123"), "part of a file").unwrap();
         assert_eq!(a.digest().unwrap(), b.digest().unwrap());
-        b.record(&[0.2, 1.2], Status::Unsteady).unwrap();
+        b.write(&ended(&[0.2, 1.2], Status::Unsteady)).unwrap();
         assert_ne!(a.digest().unwrap(), b.digest().unwrap());
     }
 

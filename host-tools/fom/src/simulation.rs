@@ -141,6 +141,11 @@ impl Solver {
         &self.discretisation.mesh
     }
 
+    /// Mesh, symmetry and membrane, for the mechanics of what was run.
+    pub fn discretisation(&self) -> &Discretisation {
+        &self.discretisation
+    }
+
     /// The settings it was built with.
     pub fn settings(&self) -> &Settings {
         &self.settings

@@ -109,7 +109,9 @@ fn the_ring_around_the_domain_takes_part_and_is_not_answered_for() {
         unsteady.status = Status::Unsteady;
         database.write(&unsteady).unwrap();
     }
-    database.record(&[0.128, 0.95], Status::Unsteady).unwrap();
+    let mut without_snapshots = trajectory(database.mesh(), [0.128, 0.95], &[]);
+    without_snapshots.status = Status::Unsteady;
+    database.write(&without_snapshots).unwrap();
     let settings = Settings {
         domain: vec![[0.03, 0.2], [0.85, 0.97]],
         beyond: 0.015,
@@ -266,7 +268,7 @@ fn what_cannot_be_built_is_named() {
     let directory = tempfile::tempdir().unwrap();
     let description = Description::new((0..=10).map(|i| 0.2 * f64::from(i)).collect(), serde_json::Value::Null);
     let empty = Database::create(directory.path(), description.clone(), octahedral(2)).unwrap();
-    empty.record(&[0.2, 1.2], Status::Unsteady).unwrap();
+    empty.write(&trajectory(empty.mesh(), [0.2, 1.2], &[])).unwrap();
     let error = build(&empty, &settings(), &quiet).unwrap_err();
     assert!(matches!(error, OfflineError::TooFewSamples { found: 0, .. }), "{error}");
 

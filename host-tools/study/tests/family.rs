@@ -72,15 +72,19 @@ fn a_family_that_the_model_contains_has_no_error() {
     assert!(stranger.shape_percent[0] < 0.02, "{stranger:?}");
 }
 
-#[test]
-fn times_are_positive_and_ordered() {
+/// A model of a small grid of the family.
+fn model_file() -> Vec<u8> {
     let directory = tempfile::tempdir().unwrap();
-    let database = grid::database(directory.path());
     let settings = Settings {
         error_times: vec![1.0],
         ..Settings::default()
     };
-    let (bytes, _) = build(&database, &settings, &quiet).unwrap();
+    build(&grid::database(directory.path()), &settings, &quiet).unwrap().0
+}
+
+#[test]
+fn times_are_positive_and_ordered() {
+    let bytes = model_file();
     let model = Model::open(&bytes).unwrap();
     let questions = task::questions(&model, 12).unwrap();
     for task in task::tasks(&model) {
@@ -104,13 +108,7 @@ fn times_are_positive_and_ordered() {
 #[test]
 fn an_answer_depends_on_what_it_shows_alone() {
     const BLOCK: usize = 16;
-    let directory = tempfile::tempdir().unwrap();
-    let database = grid::database(directory.path());
-    let settings = Settings {
-        error_times: vec![1.0],
-        ..Settings::default()
-    };
-    let (bytes, _) = build(&database, &settings, &quiet).unwrap();
+    let bytes = model_file();
     let model = Model::open(&bytes).unwrap();
     let question = task::questions(&model, 1).unwrap()[0];
     let touched = |name: &str| {

@@ -80,11 +80,10 @@ pub fn debian_package(program: &str, package: &str) -> Result<()> {
         bail!("{program}: not on the PATH; run `{by_hand}`");
     }
     run(&mut command("apt-get update -qq"))?;
-    run(
-        command(&format!("apt-get install -y -qq --no-install-recommends {package}"))
-            .env("DEBIAN_FRONTEND", "noninteractive"),
-    )
-    .map_err(|error| anyhow!("{program}: run `{by_hand}` ({error})"))
+    let mut install = command(&format!("apt-get install -y -qq --no-install-recommends {package}"));
+    // Daemons of packages stay off; tests start their own.
+    install.env("DEBIAN_FRONTEND", "noninteractive").env("RUNLEVEL", "1");
+    run(&mut install).map_err(|error| anyhow!("{program}: run `{by_hand}` ({error})"))
 }
 
 /// The npm modules of a folder, exactly as its lock file has them.

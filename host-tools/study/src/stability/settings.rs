@@ -58,24 +58,15 @@ pub(crate) fn rows(model: &Model, truths: &[Truth], quick: bool) -> Result<Vec<R
         };
         rows.push(Row::new("bits of a number", bits, by, &errors));
     }
+    const RANKS: [f64; 8] = [2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0];
     type Change = fn(&mut Contents, f64);
     let all: [(&str, Method, &[f64], Change); 8] = [
-        (
-            "m_u",
-            Method::Paper,
-            &[2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0],
-            |contents, value| {
-                contents.paper.displacement_rank = value as u16;
-            },
-        ),
-        (
-            "m_v",
-            Method::Paper,
-            &[2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0],
-            |contents, value| {
-                contents.paper.velocity_rank = value as u16;
-            },
-        ),
+        ("m_u", Method::Paper, &RANKS, |contents, value| {
+            contents.paper.displacement_rank = value as u16;
+        }),
+        ("m_v", Method::Paper, &RANKS, |contents, value| {
+            contents.paper.velocity_rank = value as u16;
+        }),
         (
             "R of the manifold / interval",
             Method::Paper,
