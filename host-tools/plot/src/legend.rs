@@ -1,5 +1,6 @@
 //! What the colours of a panel mean: a line of entries, or more, between the title and the axes, where they hide nothing.
 
+use crate::lines::Mark;
 use crate::{MARGIN, SMALL, TEXT, text};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -14,9 +15,8 @@ const GAP: u32 = 6;
 pub(crate) struct Entry {
     pub(crate) name: String,
     pub(crate) colour: RGBColor,
-    /// Whether a line is drawn in this colour, and whether dots are.
-    pub(crate) line: bool,
-    pub(crate) dot: bool,
+    /// What is drawn in this colour.
+    pub(crate) marks: Vec<Mark>,
 }
 
 /// Entries with their places.
@@ -60,16 +60,16 @@ impl Legend {
         let at = |x: u32, y: u32| ((x * unit) as i32, (y * unit) as i32);
         for (entry, (x, line)) in &self.entries {
             let middle = line * LINE + LINE / 2;
-            if entry.line {
-                let ends = [at(*x, middle), at(x + STROKE, middle)];
-                area.draw(&PathElement::new(ends, entry.colour.stroke_width(2 * unit)))?;
-            }
-            if entry.dot {
-                area.draw(&Circle::new(
-                    at(x + STROKE / 2, middle),
-                    3 * unit,
-                    entry.colour.filled(),
-                ))?;
+            let centre = at(x + STROKE / 2, middle);
+            for mark in &entry.marks {
+                match mark {
+                    Mark::Line => {
+                        let ends = [at(*x, middle), at(x + STROKE, middle)];
+                        area.draw(&PathElement::new(ends, entry.colour.stroke_width(2 * unit)))?;
+                    }
+                    Mark::Dots => area.draw(&Circle::new(centre, 3 * unit, entry.colour.filled()))?,
+                    Mark::Rings => area.draw(&Circle::new(centre, 5 * unit, entry.colour.stroke_width(2 * unit)))?,
+                }
             }
             area.draw_text(&entry.name, &style, at(x + STROKE + GAP, middle))?;
         }
@@ -95,8 +95,7 @@ mod tests {
             let entry = |i| Entry {
                 name: format!("series {i}"),
                 colour: BLACK,
-                line: true,
-                dot: false,
+                marks: vec![Mark::Line],
             };
             (0..count).map(entry).collect()
         };

@@ -15,7 +15,7 @@ mod lines;
 
 pub use axis::Axis;
 pub use cells::Cells;
-pub use lines::{Curve, Lines};
+pub use lines::{Curve, Lines, Mark};
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

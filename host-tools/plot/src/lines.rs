@@ -7,30 +7,42 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
 
-/// A named series of points, joined or not. Series of one name have one colour and one entry in the legend.
+/// How the points of a series are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Joined by straight lines.
+    Line,
+    /// As dots.
+    Dots,
+    /// As rings around what else is there.
+    Rings,
+}
+
+/// A named series of points. Series of one name have one colour and one entry in the legend.
 pub struct Curve {
     name: String,
     points: Vec<(f64, f64)>,
-    joined: bool,
+    mark: Mark,
 }
 
 impl Curve {
-    /// Points joined by straight lines.
-    pub fn line(name: &str, points: Vec<(f64, f64)>) -> Self {
+    /// A series.
+    pub fn new(name: &str, mark: Mark, points: Vec<(f64, f64)>) -> Self {
         Self {
             name: name.to_owned(),
             points,
-            joined: true,
+            mark,
         }
+    }
+
+    /// Points joined by straight lines.
+    pub fn line(name: &str, points: Vec<(f64, f64)>) -> Self {
+        Self::new(name, Mark::Line, points)
     }
 
     /// Points as dots.
     pub fn points(name: &str, points: Vec<(f64, f64)>) -> Self {
-        Self {
-            name: name.to_owned(),
-            points,
-            joined: false,
-        }
+        Self::new(name, Mark::Dots, points)
     }
 }
 
@@ -102,7 +114,7 @@ impl Lines {
         };
         let (xs, ys) = (self.x.with_margin(xs), self.y.with_margin(ys));
         let around = MARGIN + TITLE + self.legend(width).height() + X_LABELS + MARGIN;
-        let inside = f64::from(width - 2 * MARGIN - Y_LABELS) * (ys.end - ys.start) / (xs.end - xs.start);
+        let inside = f64::from(width - 3 * MARGIN - Y_LABELS) * (ys.end - ys.start) / (xs.end - xs.start);
         // Room for the axis' description beside a flat shape.
         (around + (inside as u32).max(LEAST)).min(usual)
     }
@@ -120,12 +132,11 @@ impl Lines {
 
     fn legend(&self, width: u32) -> Legend {
         let entry = |(index, name): (usize, &str)| {
-            let drawn = |joined| self.curves.iter().any(|c| c.name == name && c.joined == joined);
+            let of_name = self.curves.iter().filter(|curve| curve.name == name);
             Entry {
                 name: name.to_owned(),
                 colour: colour(index),
-                line: drawn(true),
-                dot: drawn(false),
+                marks: of_name.map(|curve| curve.mark).collect(),
             }
         };
         let names = self.names();
@@ -150,13 +161,14 @@ impl Lines {
         let (middle, chart) = rest.split_vertically(legend.height() * unit);
         legend.draw(&middle, unit)?;
         if self.same_scale {
-            let width = f64::from(width / unit - 2 * MARGIN - Y_LABELS);
+            let width = f64::from(width / unit - 3 * MARGIN - Y_LABELS);
             let height = f64::from(height / unit - 2 * MARGIN - TITLE - legend.height() - X_LABELS);
             equalise(&mut xs, &mut ys, width / height);
         }
         let mut chart = ChartBuilder::on(&chart)
             .margin_left(MARGIN * unit)
-            .margin_right(MARGIN * unit)
+            // Half of a tick's label may lie beyond the axis.
+            .margin_right(2 * MARGIN * unit)
             .margin_bottom(MARGIN * unit)
             .x_label_area_size(X_LABELS * unit)
             .y_label_area_size(Y_LABELS * unit)
@@ -173,17 +185,24 @@ impl Lines {
             .bold_line_style(BLACK.mix(0.12).stroke_width(unit))
             .draw()?;
         let names = self.names();
-        let dots: usize = self.curves.iter().filter(|c| !c.joined).map(|c| c.points.len()).sum();
+        let dots: usize = self
+            .curves
+            .iter()
+            .filter(|c| c.mark == Mark::Dots)
+            .map(|c| c.points.len())
+            .sum();
         let radius = if dots > MANY { 2 } else { 3 } * unit;
         for curve in &self.curves {
             let index = names.iter().position(|name| *name == curve.name).unwrap_or(0);
             let colour = colour(index);
-            if curve.joined {
-                chart.draw_series(LineSeries::new(self.visible(curve), colour.stroke_width(2 * unit)))?;
-            } else {
-                let dots = self.visible(curve).map(|at| Circle::new(at, radius, colour.filled()));
-                chart.draw_series(dots)?;
-            }
+            let points = self.visible(curve);
+            match curve.mark {
+                Mark::Line => chart.draw_series(LineSeries::new(points, colour.stroke_width(2 * unit)))?,
+                Mark::Dots => chart.draw_series(points.map(|at| Circle::new(at, radius, colour.filled())))?,
+                Mark::Rings => {
+                    chart.draw_series(points.map(|at| Circle::new(at, 2 * radius, colour.stroke_width(2 * unit))))?
+                }
+            };
         }
         Ok(())
     }
@@ -203,9 +222,9 @@ fn equalise(xs: &mut Range<f64>, ys: &mut Range<f64>, aspect: f64) {
     }
 }
 
-/// Okabe and Ito's palette, distinct for colour-blind readers.
+/// Okabe and Ito's palette, distinct for colour-blind readers, and three more colours for panels with many series.
 fn colour(index: usize) -> RGBColor {
-    const PALETTE: [RGBColor; 7] = [
+    const PALETTE: [RGBColor; 10] = [
         RGBColor(0, 114, 178),
         RGBColor(213, 94, 0),
         RGBColor(0, 158, 115),
@@ -213,6 +232,9 @@ fn colour(index: usize) -> RGBColor {
         RGBColor(230, 159, 0),
         RGBColor(86, 180, 233),
         RGBColor(0, 0, 0),
+        RGBColor(140, 86, 75),
+        RGBColor(127, 127, 127),
+        RGBColor(200, 30, 60),
     ];
     PALETTE[index % PALETTE.len()]
 }

@@ -4,7 +4,7 @@
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::Trajectory;
 use capsule_offline::{Progress, one_minus_ric};
-use capsule_plot::Axis;
+use capsule_plot::{Axis, Mark};
 use faer::Mat;
 
 use super::sheet::{Curves, Section, Series, Sheet};
@@ -147,7 +147,7 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
             .take(20)
             .enumerate()
             .map(|(k, rest)| ((k + 1) as f64, rest));
-        decay.push((field.to_owned(), true, points.collect()));
+        decay.push((field.to_owned(), Mark::Line, points.collect()));
         let mut series = Vec::new();
         for (k, which) in ["first", "second", "third"].into_iter().enumerate() {
             for (by, snapshots) in [("ROM", &found), ("FOM", &exact)] {
@@ -158,7 +158,11 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
                 };
                 let points = truth.times.iter().enumerate().map(|(i, t)| (*t, coefficient(i)));
                 let every = if by == "FOM" { 6 } else { 1 };
-                series.push((format!("{which}, {by}"), by == "ROM", points.step_by(every).collect()));
+                series.push((
+                    format!("{which}, {by}"),
+                    if by == "ROM" { Mark::Line } else { Mark::Dots },
+                    points.step_by(every).collect(),
+                ));
             }
         }
         let curves = Curves {
@@ -174,7 +178,7 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
             curves,
         )?;
     }
-    decay.push(("1e-7".to_owned(), true, vec![(1.0, 1e-7), (20.0, 1e-7)]));
+    decay.push(("1e-7".to_owned(), Mark::Line, vec![(1.0, 1e-7), (20.0, 1e-7)]));
     let curves = Curves {
         title: "1 - RIC of the query's snapshots".to_owned(),
         axes: [Axis::linear("rank"), Axis::logarithmic("1 - RIC")],
@@ -223,7 +227,7 @@ pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Resul
                 let row = |(x, y): &(f64, f64)| vec![by.to_owned(), t.to_string(), x.to_string(), y.to_string()];
                 rows.extend(points.iter().map(row));
             }
-            exact.push(("FOM".to_owned(), true, closed(outline)));
+            exact.push(("FOM".to_owned(), Mark::Line, closed(outline)));
             found.extend(closed(&points).into_iter().step_by(3));
         }
         let end = exact
@@ -231,9 +235,9 @@ pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Resul
             .flat_map(|(_, _, points): &Series| points)
             .map(|(x, _)| *x)
             .fold(0.0, f64::max);
-        let walls = [-1.0, 1.0].map(|y| ("walls".to_owned(), true, vec![(-1.5, y), (end + 0.5, y)]));
+        let walls = [-1.0, 1.0].map(|y| ("walls".to_owned(), Mark::Line, vec![(-1.5, y), (end + 0.5, y)]));
         let mut series: Vec<Series> = exact;
-        series.push(("ROM".to_owned(), false, found));
+        series.push(("ROM".to_owned(), Mark::Dots, found));
         series.extend(walls);
         let title = format!("Ca = {ca}, a/l = {confinement}");
         let curves = Curves {
@@ -294,7 +298,7 @@ pub(super) fn calibration(
             let points = fresh.compared[method]
                 .iter()
                 .map(|c| (100.0 * c.bound[i], 100.0 * c.laboratory[i]));
-            series.push((format!("t = {}", errors.t), false, points.collect()));
+            series.push((format!("t = {}", errors.t), Mark::Dots, points.collect()));
         }
         let places = series
             .iter()
@@ -303,7 +307,7 @@ pub(super) fn calibration(
         let [low, high] = places
             .filter(|v| *v > 0.0)
             .fold([f64::INFINITY, 0.0], |[a, b]: [f64; 2], v| [a.min(v), b.max(v)]);
-        series.push(("equal".to_owned(), true, vec![(low, low), (high, high)]));
+        series.push(("equal".to_owned(), Mark::Line, vec![(low, low), (high, high)]));
         let curves = Curves {
             title: format!("True error and its 95 % bound, {method}"),
             axes: [

@@ -5,7 +5,7 @@ use std::time::Instant;
 use capsule_core::model::wire::Contents;
 use capsule_core::{Evaluator, Method, Model, Query, Real, Scheme, Workspace};
 use capsule_offline::{Progress, Settings, Truncation, build};
-use capsule_plot::Axis;
+use capsule_plot::{Axis, Mark};
 
 use super::accuracy::ALL;
 use super::sheet::{Curves, Section, Series, Sheet};
@@ -49,7 +49,7 @@ pub(super) fn pareto(
     let quick = subject.quick;
     let mut comparison = Comparison {
         truths: read(subject.fresh, if quick { 4 } else { 32 }, |_| true)?,
-        repetitions: if quick { 1 } else { 5 },
+        repetitions: if quick { 2 } else { 5 },
         ways: Vec::new(),
     };
     let size = subject.model.len();
@@ -196,11 +196,11 @@ impl Comparison {
         for way in self.ways.iter().filter(|way| wanted(way)) {
             match series.iter_mut().find(|(kind, _, _)| kind == way.kind) {
                 Some((_, _, points)) => points.push(point(way)),
-                None => series.push((way.kind.to_owned(), false, vec![point(way)])),
+                None => series.push((way.kind.to_owned(), Mark::Dots, vec![point(way)])),
             }
         }
         let defaults = self.ways.iter().filter(|way| way.default && wanted(way));
-        series.push(("defaults".to_owned(), false, defaults.map(point).collect()));
+        series.push(("defaults".to_owned(), Mark::Rings, defaults.map(point).collect()));
         series
     }
 
@@ -228,7 +228,7 @@ impl Comparison {
         section.curves(
             sheet,
             "pareto_points.csv",
-            "Every method and setting; the defaults are marked",
+            "Every method and setting; rings mark the defaults",
             curves,
         )?;
         let rows = self.ways.iter().map(|way| {

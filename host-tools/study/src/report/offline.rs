@@ -5,7 +5,7 @@ use std::path::Path;
 use capsule_core::model::{Curve, MatrixView};
 use capsule_core::{Method, Model};
 use capsule_offline::{BuildReport, Progress, Settings, Spectrum, build, one_minus_ric};
-use capsule_plot::{Axis, Cells, Panel};
+use capsule_plot::{Axis, Cells, Mark, Panel};
 
 use super::sheet::{Curves, Section, Series, Sheet};
 use crate::stability::Subject;
@@ -17,7 +17,7 @@ pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
     let contents = model.contents();
     let clusters = &contents.clusters;
     let mut groups: [Series; 3] =
-        ["first cluster", "second cluster", "both"].map(|name| (name.to_owned(), false, vec![]));
+        ["first cluster", "second cluster", "both"].map(|name| (name.to_owned(), Mark::Dots, vec![]));
     let same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-6;
     for (index, cluster) in clusters.iter().enumerate() {
         for sample in MatrixView::new(&cluster.samples).pairs::<f64>() {
@@ -48,9 +48,9 @@ pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
         .map(|entry| (entry.parameters[0], entry.parameters[1]))
         .collect();
     let mut series: Vec<Series> = groups.into();
-    series.push(("fresh, not in the model".to_owned(), false, fresh));
-    series.push(("steady limit".to_owned(), true, limit));
-    series.push(("border of the jump".to_owned(), true, border));
+    series.push(("fresh, not in the model".to_owned(), Mark::Dots, fresh));
+    series.push(("steady limit".to_owned(), Mark::Line, limit));
+    series.push(("border of the jump".to_owned(), Mark::Line, border));
     series.retain(|(_, _, points)| !points.is_empty());
     let mut section = Section::new(
         "The design (Fig. 7)",
@@ -126,13 +126,13 @@ fn spectra(sheet: &mut Sheet, built: &BuildReport, design: &str) -> Result<Secti
                     let points = of(&spectrum.singular_values).into_iter().take(MOST).enumerate();
                     (
                         spectrum.matrix.to_owned(),
-                        true,
+                        Mark::Line,
                         points.map(|(k, value)| ((k + 1) as f64, value)).collect(),
                     )
                 });
             let mut series: Vec<Series> = series.collect();
             if figure == "8" {
-                series.push(("1e-7".to_owned(), true, vec![(1.0, 1e-7), (MOST as f64, 1e-7)]));
+                series.push(("1e-7".to_owned(), Mark::Line, vec![(1.0, 1e-7), (MOST as f64, 1e-7)]));
             }
             let curves = Curves {
                 title: format!("{label}, {modes}"),

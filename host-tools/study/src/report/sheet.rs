@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
+use capsule_plot::{Axis, Curve, Figure, Lines, Mark, Panel};
 
 use crate::StudyError;
 
@@ -83,8 +83,8 @@ impl Section {
     }
 }
 
-/// A series: its name, whether its points are joined, its points.
-pub(super) type Series = (String, bool, Vec<(f64, f64)>);
+/// A series: its name, how its points are drawn, and they.
+pub(super) type Series = (String, Mark, Vec<(f64, f64)>);
 
 /// Curves over two axes.
 pub(super) struct Curves {
@@ -101,12 +101,9 @@ impl Curves {
         if self.same_scale {
             lines = lines.same_scale();
         }
-        Panel::Lines(self.series.into_iter().fold(lines, |lines, (name, joined, points)| {
-            lines.with(if joined {
-                Curve::line(&name, points)
-            } else {
-                Curve::points(&name, points)
-            })
+        let series = self.series.into_iter();
+        Panel::Lines(series.fold(lines, |lines, (name, mark, points)| {
+            lines.with(Curve::new(&name, mark, points))
         }))
     }
 }
