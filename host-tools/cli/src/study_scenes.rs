@@ -22,6 +22,9 @@ pub struct Options {
     /// Ask this task once and print nothing, for programs that count instructions
     #[arg(long, value_name = "TASK", conflicts_with_all = ["queries", "no_bytes", "json"])]
     once: Option<String>,
+    /// With the random query of this number
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "once")]
+    query: usize,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -38,11 +41,9 @@ pub fn run(options: &Options) -> Result<()> {
     let model = options.model.open(&bytes)?;
     if let Some(name) = &options.once {
         let task = tasks(&model).find(|task| task.name == name);
-        return Ok(once(
-            &model,
-            &task.with_context(|| format!("no task {name}"))?,
-            &questions(&model, 1)?,
-        )?);
+        let task = task.with_context(|| format!("no task {name}"))?;
+        let questions = questions(&model, options.query + 1)?;
+        return Ok(once(&model, &task, &questions[options.query])?);
     }
     let limits = Limits::measure(bytes.len());
     let costs = scenes(&bytes, &questions(&model, options.queries)?, &limits, !options.no_bytes)?;

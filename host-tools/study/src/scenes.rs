@@ -44,8 +44,9 @@ pub struct Cost {
     pub reads: usize,
     /// Floating-point operations.
     pub operations: usize,
-    /// Bytes of the model on which the answer to a question with the median number of reads depends, in whole blocks of 256;
-    /// none if not asked for.
+    /// The number of a question that reads as many numbers as the median.
+    pub typical: usize,
+    /// Bytes of the model on which the answer to this question depends, in whole blocks of 256; none if not asked for.
     pub model_bytes: Option<usize>,
     /// Bytes of the answer.
     pub answer_bytes: usize,
@@ -65,7 +66,7 @@ pub fn scenes(file: &[u8], questions: &[Question], limits: &Limits, with_bytes: 
     let counted = tasks(&model).map(|task| Counts::new(&model, task, questions));
     let counted: Vec<Counts> = counted.collect::<Result<_, _>>()?;
     let bytes_of = |counts: &Counts| -> Result<usize, StudyError> {
-        Ok(BLOCK * touched(file, BLOCK, &counts.task, &counts.typical)?.len())
+        Ok(BLOCK * touched(file, BLOCK, &counts.task, &counts.question)?.len())
     };
     // Side by side; times are measured afterwards.
     let bytes: Vec<Option<usize>> = counted
@@ -78,6 +79,7 @@ pub fn scenes(file: &[u8], questions: &[Question], limits: &Limits, with_bytes: 
         Ok(Cost {
             reads: counts.reads,
             operations: counts.operations,
+            typical: counts.typical,
             model_bytes,
             answer_bytes: counts.answer_bytes,
             timing: time::<f32>(&model, Method::Direct, &counts.task, questions)?,
@@ -93,8 +95,9 @@ struct Counts {
     /// Medians over the questions.
     reads: usize,
     operations: usize,
-    /// The question that reads as many numbers as the median.
-    typical: Question,
+    /// The question that reads as many numbers as the median: its number, and itself.
+    typical: usize,
+    question: Question,
     answer_bytes: usize,
 }
 
@@ -103,17 +106,17 @@ impl Counts {
         const MOST: usize = 101;
         let mut asker = Asker::<Counted>::new(model, Method::Direct)?;
         let mut counts = Vec::new();
-        for question in questions.iter().take(MOST) {
+        for (number, question) in questions.iter().take(MOST).enumerate() {
             asker.before(model, &task, question)?;
             let (answered, counted) = count(|| asker.answer(model, &task, question));
             answered?;
-            counts.push((counted.reads, counted.operations(), *question));
+            counts.push((counted.reads, counted.operations(), (number, *question)));
         }
         let middle = counts.len() / 2;
         counts.sort_by_key(|(_, operations, _)| *operations);
         let operations = counts.get(middle).map(|(_, operations, _)| *operations);
         counts.sort_by_key(|(reads, _, _)| *reads);
-        let (Some((reads, _, typical)), Some(operations)) = (counts.get(middle), operations) else {
+        let (Some((reads, _, (typical, question))), Some(operations)) = (counts.get(middle), operations) else {
             return Err(StudyError::NothingToMeasure {
                 queries: 0,
                 repetitions: 1,
@@ -124,20 +127,18 @@ impl Counts {
             reads: *reads,
             operations,
             typical: *typical,
+            question: *question,
             answer_bytes: size_of::<f32>() * asker.numbers(task.what).len(),
         })
     }
 }
 
-/// Asks one task, once for each question, for programs that count instructions.
+/// Asks one task once, for programs that count instructions.
 ///
 /// # Errors
 /// A question that the model refuses.
-pub fn once(model: &Model<'_>, task: &Task, questions: &[Question]) -> Result<(), StudyError> {
+pub fn once(model: &Model<'_>, task: &Task, question: &Question) -> Result<(), StudyError> {
     let mut asker = Asker::<f32>::new(model, Method::Direct)?;
-    for question in questions {
-        asker.before(model, task, question)?;
-        asker.answer(model, task, question)?;
-    }
-    Ok(())
+    asker.before(model, task, question)?;
+    Ok(asker.answer(model, task, question)?)
 }

@@ -31,7 +31,11 @@ pub fn scenes() -> Result<()> {
         println!(
             "| {} | {} | {} | {} | {} | {} | {} | {} |",
             name.replace('_', " "),
-            instructions(program, name)?,
+            instructions(
+                program,
+                name,
+                task["typical"].as_u64().context("a task without a typical query")?
+            )?,
             number("operations", 0),
             number("reads", 0),
             number("model_bytes", 0),
@@ -43,11 +47,11 @@ pub fn scenes() -> Result<()> {
     Ok(())
 }
 
-/// Instructions of one task, once.
-fn instructions(program: &str, task: &str) -> Result<u64> {
+/// Instructions of one task, once, with the random query of this number.
+fn instructions(program: &str, task: &str, query: u64) -> Result<u64> {
     let line = format!(
         "valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=*Asker*::answer* {program} study scenes \
-         --once {task}"
+         --once {task} --query {query}"
     );
     let counted = command(&line)
         .output()

@@ -37,7 +37,7 @@ struct Comparison {
 }
 
 /// Tolerances of models beside the shipped one, in l.
-const TOLERANCES: [f64; 5] = [4e-4, 2e-4, 1.2e-4, 5e-5, 3e-5];
+const TOLERANCES: [f64; 3] = [3e-4, 1.5e-4, 4e-5];
 
 /// Time of a query with a trajectory of all nodes against its error, for every method and setting.
 pub(super) fn pareto(

@@ -61,7 +61,7 @@ fn stable(sheet: &mut Sheet, found: &crate::stability::Stability) -> Result<Sect
     let mut section = Section::new(
         "Numerical stability",
         "Errors are the mean distance of corresponding nodes in the laboratory frame, in per cent of a, over configurations that the model does not contain. \
-         A failure is no answer, or one that is wrong by more than a.",
+         A failure is no answer, or one that is wrong by more than a. On logarithmic axes 0 is shown at 1e-10.",
     );
     let text = |value: f64| format!("{value:.6}");
     let rows = found.rows.iter().map(|row| {

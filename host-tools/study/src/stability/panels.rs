@@ -74,7 +74,7 @@ fn setting(rows: &[&Row]) -> Panel {
     } else {
         Axis::linear(name)
     };
-    let title = format!("Error at t = {}, mean and greatest", INSTANTS[1]);
+    let title = format!("Error at t = {}: mean (lines), greatest (dots)", INSTANTS[1]);
     let mut by: Vec<&str> = rows.iter().map(|row| row.by.as_str()).collect();
     by.sort_unstable();
     by.dedup();
