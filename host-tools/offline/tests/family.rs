@@ -268,7 +268,9 @@ fn what_cannot_be_built_is_named() {
     let directory = tempfile::tempdir().unwrap();
     let description = Description::new((0..=10).map(|i| 0.2 * f64::from(i)).collect(), serde_json::Value::Null);
     let empty = Database::create(directory.path(), description.clone(), octahedral(2)).unwrap();
-    empty.write(&trajectory(empty.mesh(), [0.2, 1.2], &[])).unwrap();
+    let mut without_snapshots = trajectory(empty.mesh(), [0.2, 1.2], &[]);
+    without_snapshots.status = Status::Unsteady;
+    empty.write(&without_snapshots).unwrap();
     let error = build(&empty, &settings(), &quiet).unwrap_err();
     assert!(matches!(error, OfflineError::TooFewSamples { found: 0, .. }), "{error}");
 
