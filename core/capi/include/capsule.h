@@ -64,7 +64,8 @@ enum capsule_status
   CAPSULE_STATUS_MISALIGNED = 2,
   // A buffer is too short: `found` entries or bytes, `least` are needed.
   CAPSULE_STATUS_SHORT = 3,
-  // Two of the pointers point to the same memory, or a buffer goes beyond the end of memory.
+  // Two of the pointers point to the same memory, one to write to points into the model's file, or a buffer goes beyond the
+  // end of memory.
   CAPSULE_STATUS_OVERLAP = 4,
   // The model was not opened.
   CAPSULE_STATUS_NO_MODEL = 5,

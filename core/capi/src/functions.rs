@@ -7,7 +7,7 @@
 //! the same time; calls that share a workspace may not.
 
 use crate::error::{Error, figure};
-use crate::memory::{Buffer, Bytes, check};
+use crate::memory::{Buffer, Bytes, check, spare};
 use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn capsule_v1_open(
     length: usize,
     error: *mut Error,
 ) -> Status {
-    let (model, file) = (Buffer::new(model, 1), Buffer::new(file.cast::<u8>(), length));
+    let (model, file) = (Buffer::output(model, 1), Buffer::input(file.cast::<u8>(), length));
     let mut work = |()| {
         holds::<Model>(size)?;
         // SAFETY: the caller keeps what the module says.
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn capsule_v1_open(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &[model.bytes(), file.bytes()], &mut work) }
+    unsafe { call(None, &[model.bytes(), file.bytes()], error, &mut work) }
 }
 
 /// Says what a model is.
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn capsule_v1_describe(
     description: *mut Description,
     error: *mut Error,
 ) -> Status {
-    let (model, out) = (Buffer::new(model, 1), Buffer::new(description, 1));
+    let (model, out) = (Buffer::input(model, 1), Buffer::output(description, 1));
     let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (model.content()?, out.place()) };
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn capsule_v1_describe(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &[model.bytes(), out.bytes()], &mut work) }
+    unsafe { call(Some(&model), &[model.bytes(), out.bytes()], error, &mut work) }
 }
 
 /// Name and range of parameter number `index`.
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     parameter: *mut Parameter,
     error: *mut Error,
 ) -> Status {
-    let (model, out) = (Buffer::new(model, 1), Buffer::new(parameter, 1));
+    let (model, out) = (Buffer::input(model, 1), Buffer::output(parameter, 1));
     let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (model.content()?, out.place()) };
@@ -133,7 +133,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &[model.bytes(), out.bytes()], &mut work) }
+    unsafe { call(Some(&model), &[model.bytes(), out.bytes()], error, &mut work) }
 }
 
 /// Makes an empty workspace of memory, of which `size` is `sizeof *workspace`.
@@ -142,7 +142,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
 /// See [`functions`](self).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: usize, error: *mut Error) -> Status {
-    let workspace = Buffer::new(workspace, 1);
+    let workspace = Buffer::output(workspace, 1);
     let mut work = |()| {
         holds::<Workspace>(size)?;
         // SAFETY: the caller keeps what the module says.
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: 
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &[workspace.bytes()], &mut work) }
+    unsafe { call(None, &[workspace.bytes()], error, &mut work) }
 }
 
 /// Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
@@ -167,10 +167,10 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     error: *mut Error,
 ) -> Status {
     let (model, workspace, query, domain) = (
-        Buffer::new(model, 1),
-        Buffer::new(workspace, 1),
-        Buffer::new(query, 1),
-        Buffer::new(domain, 1),
+        Buffer::input(model, 1),
+        Buffer::output(workspace, 1),
+        Buffer::input(query, 1),
+        Buffer::output(domain, 1),
     );
     if let Err(status) = check(&[query.bytes()], Bytes::NONE) {
         return status;
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     let bytes = query.bytes();
     // SAFETY: the caller keeps what the module says.
     let query = unsafe { query.start().read() };
-    let parameters = Buffer::new(query.parameters, query.parameter_count);
+    let parameters = Buffer::input(query.parameters, query.parameter_count);
     let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, workspace, parameters) =
@@ -218,7 +218,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         domain.optional_bytes(),
     ];
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &buffers, &mut work) }
+    unsafe { call(Some(&model), &buffers, error, &mut work) }
 }
 
 /// Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
@@ -474,7 +474,7 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     membrane: *mut Membrane,
     error: *mut Error,
 ) -> Status {
-    let (scratch, out) = (Buffer::new(scratch, capacity), Buffer::new(membrane, 1));
+    let (scratch, out) = (Buffer::output(scratch, capacity), Buffer::output(membrane, 1));
     let mut ask = |instant: &mut Instant<'_>| {
         // SAFETY: the caller keeps what the module says.
         let (scratch, out) = unsafe { (scratch.zeros(), out.place()) };
@@ -492,11 +492,19 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
 }
 
 /// Runs the work of a call on its buffers and writes its error where the caller wants it. Where a pointer is at fault
-/// nothing is written: `error` may be what overlaps.
+/// nothing is written: `error` may be what overlaps. `model` is the one that is asked.
 #[inline(never)]
-unsafe fn call(error: *mut Error, buffers: &[Bytes], work: &mut dyn Work<(), ()>) -> Status {
-    let error = Buffer::new(error, 1);
-    if let Err(status) = check(buffers, error.optional_bytes()) {
+unsafe fn call(
+    model: Option<&Buffer<Model>>,
+    buffers: &[Bytes],
+    error: *mut Error,
+    work: &mut dyn Work<(), ()>,
+) -> Status {
+    let error = Buffer::output(error, 1);
+    let place = error.optional_bytes();
+    // SAFETY: the caller keeps what the module says, and the model was checked with the buffers.
+    let file = || model.map_or(Bytes::NONE, |model| unsafe { model.file() });
+    if let Err(status) = check(buffers, place).and_then(|()| spare(file(), buffers, place)) {
         return status;
     }
     let failure = work.run(()).err().unwrap_or(Error::NONE);
@@ -556,10 +564,10 @@ unsafe fn call_at(
     error: *mut Error,
     ask: &mut Ask<'_>,
 ) -> Status {
-    let (model, workspace) = (Buffer::new(model, 1), Buffer::new(workspace, 1));
+    let (model, workspace) = (Buffer::input(model, 1), Buffer::output(workspace, 1));
     let buffers = [model.bytes(), workspace.bytes(), first, second];
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &buffers, &mut |()| at(model, workspace, t, ask)) }
+    unsafe { call(Some(&model), &buffers, error, &mut |()| at(model, workspace, t, ask)) }
 }
 
 /// A call that answers with one value.
@@ -571,7 +579,7 @@ unsafe fn one<A>(
     error: *mut Error,
     ask: impl Fn(&mut Instant<'_>) -> Result<A, rom::EvaluateError>,
 ) -> Status {
-    let out = Buffer::new(out, 1);
+    let out = Buffer::output(out, 1);
     let mut ask = |instant: &mut Instant<'_>| {
         let found = ask(instant)?;
         // SAFETY: the caller keeps what the module says.
@@ -608,8 +616,8 @@ unsafe fn many(
     error: *mut Error,
     fill: &mut Fill<'_>,
 ) -> Status {
-    let (model, workspace) = (Buffer::new(model, 1), Buffer::new(workspace, 1));
-    let (out, count) = (Buffer::new(out, capacity), Buffer::new(count, 1));
+    let (model, workspace) = (Buffer::input(model, 1), Buffer::output(workspace, 1));
+    let (out, count) = (Buffer::output(out, capacity), Buffer::output(count, 1));
     let mut work = |()| {
         // SAFETY: the caller keeps what the module says.
         let (out, count) = unsafe { (out.zeros(), count.place()) };
@@ -623,7 +631,7 @@ unsafe fn many(
     };
     let buffers = [model.bytes(), workspace.bytes(), out.bytes(), count.bytes(), list];
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(error, &buffers, &mut work) }
+    unsafe { call(Some(&model), &buffers, error, &mut work) }
 }
 
 /// A call that answers with vectors at nodes.
@@ -640,7 +648,7 @@ unsafe fn scene(
     error: *mut Error,
     ask: impl Fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
 ) -> Status {
-    let list = Buffer::new(nodes, node_count);
+    let list = Buffer::input(nodes, node_count);
     let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {
         let nodes = if list.is_null() {
             Nodes::All

@@ -9,6 +9,7 @@ use core::slice;
 pub(crate) struct Buffer<T> {
     start: *mut T,
     count: usize,
+    written: bool,
 }
 
 impl<T> Clone for Buffer<T> {
@@ -26,6 +27,7 @@ pub(crate) struct Bytes {
     /// The greatest number where there are more.
     length: usize,
     alignment: usize,
+    written: bool,
 }
 
 impl Bytes {
@@ -34,6 +36,7 @@ impl Bytes {
         start: 1,
         length: 0,
         alignment: 1,
+        written: false,
     };
 
     fn judge(&self) -> Result<(), Status> {
@@ -55,6 +58,15 @@ impl Bytes {
     }
 }
 
+/// Refuses buffers that the call would write over the bytes of a model's file.
+pub(crate) fn spare(file: Bytes, buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
+    let mut written = buffers.iter().chain([&error]).filter(|bytes| bytes.written);
+    if written.any(|bytes| bytes.overlaps(&file)) {
+        return Err(Status::Overlap);
+    }
+    Ok(())
+}
+
 /// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory.
 pub(crate) fn check(buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
     buffers.iter().try_for_each(Bytes::judge)?;
@@ -68,11 +80,21 @@ pub(crate) fn check(buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
 }
 
 impl<T> Buffer<T> {
-    /// `count` values at a pointer.
-    pub(crate) fn new(pointer: *const T, count: usize) -> Self {
+    /// `count` values at a pointer, to read.
+    pub(crate) fn input(pointer: *const T, count: usize) -> Self {
         Self {
             start: pointer.cast_mut(),
             count,
+            written: false,
+        }
+    }
+
+    /// `count` values at a pointer, to write.
+    pub(crate) fn output(pointer: *mut T, count: usize) -> Self {
+        Self {
+            start: pointer,
+            count,
+            written: true,
         }
     }
 
@@ -82,6 +104,7 @@ impl<T> Buffer<T> {
             start: self.start.addr(),
             length: self.count.saturating_mul(size_of::<T>()),
             alignment: align_of::<T>(),
+            written: self.written,
         }
     }
 

@@ -1,7 +1,7 @@
 //! The two objects that a caller allocates without knowing what is in them.
 
 use crate::Status;
-use crate::memory::Buffer;
+use crate::memory::{Buffer, Bytes};
 use capsule_core as rom;
 use core::mem::MaybeUninit;
 use core::ptr::NonNull;
@@ -83,6 +83,21 @@ impl Buffer<Workspace> {
             (*place.as_ptr()).content.forget();
             (*place.as_ptr()).tag = Workspace::TAG;
         }
+    }
+}
+
+impl Buffer<Model> {
+    /// Where the file of a model lies that was opened.
+    ///
+    /// # Safety
+    /// As [`content`](Self::content).
+    pub(crate) unsafe fn file(&self) -> Bytes {
+        // SAFETY: the caller keeps what is asked for.
+        let content = unsafe { self.content() };
+        content.map_or(Bytes::NONE, |model| {
+            let file = model.file();
+            Buffer::input(file.as_ptr(), file.len()).bytes()
+        })
     }
 }
 

@@ -14,7 +14,8 @@ pub enum Status {
     Misaligned = 2,
     /// A buffer is too short: `found` entries or bytes, `least` are needed.
     Short = 3,
-    /// Two of the pointers point to the same memory, or a buffer goes beyond the end of memory.
+    /// Two of the pointers point to the same memory, one to write to points into the model's file, or a buffer goes beyond the
+    /// end of memory.
     Overlap = 4,
     /// The model was not opened.
     NoModel = 5,
@@ -72,7 +73,7 @@ impl Status {
         (Self::Short, c"a buffer is too short"),
         (
             Self::Overlap,
-            c"two buffers share memory, or one goes beyond the end of memory",
+            c"a buffer shares memory with another or with the model's file, or goes beyond the end of memory",
         ),
         (Self::NoModel, c"the model was not opened"),
         (Self::NoWorkspace, c"the workspace was not initialised"),

@@ -188,6 +188,84 @@ fn overlapping_buffers() {
     );
 }
 
+/// Whatever a call writes, it does not write over the file that the model reads.
+#[test]
+fn the_file_is_not_written_over() {
+    let mut fixture = Fixture::new();
+    let before = fixture.file.clone();
+    let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+    let start = fixture.file.as_mut_ptr();
+    let inside = start.wrapping_add(start.align_offset(8) + 64);
+    let (mut numbers, mut count, mut totals) = ([0.0_f32; 3 * 18], 0, [0.0_f32; 3]);
+    let (points, capacity, totals) = (numbers.as_mut_ptr(), numbers.len(), totals.as_mut_ptr().cast());
+    let (asked, none) = (parameters(0.1), null_mut());
+    let (asked, error) = (query(&asked), inside.cast());
+    // SAFETY: every call is refused.
+    let found = unsafe {
+        [
+            capsule_v1_describe(model, inside.cast(), none),
+            capsule_v1_describe_parameter(model, 0, inside.cast(), none),
+            capsule_v1_prepare(model, workspace, &asked, inside.cast(), none),
+            capsule_v1_prepare(model, inside.cast(), &asked, null_mut(), none),
+            capsule_v1_prepare(model, workspace, &asked, null_mut(), error),
+            capsule_v1_advance(model, workspace, 1.0, 1, inside.cast(), none),
+            capsule_v1_observables_at(model, workspace, 1.0, inside.cast(), none),
+            capsule_v1_expected_error_at(model, workspace, 1.0, inside.cast(), none),
+            capsule_v1_error_bound_at(model, workspace, 1.0, inside.cast(), none),
+            capsule_v1_centroid_at(model, workspace, 1.0, inside.cast(), none),
+            capsule_v1_volume_at(model, workspace, 1.0, inside.cast(), none),
+            capsule_v1_outline_at(model, workspace, 1.0, 0, 0, inside.cast(), 16, &mut count, none),
+            capsule_v1_outline_at(model, workspace, 1.0, 0, 0, points, capacity, inside.cast(), none),
+            capsule_v1_outline_at(model, workspace, 1.0, 0, 0, points, capacity, &mut count, error),
+            capsule_v1_positions_at(
+                model,
+                workspace,
+                1.0,
+                0,
+                null(),
+                0,
+                inside.cast(),
+                capacity,
+                &mut count,
+                none,
+            ),
+            capsule_v1_velocities_at(
+                model,
+                workspace,
+                1.0,
+                0,
+                null(),
+                0,
+                inside.cast(),
+                capacity,
+                &mut count,
+                none,
+            ),
+            capsule_v1_membrane_at(model, workspace, 1.0, inside.cast(), capacity, totals, none),
+            capsule_v1_membrane_at(model, workspace, 1.0, points, capacity, inside.cast(), none),
+        ]
+    };
+    assert_eq!(found, [Status::Overlap; 18]);
+    assert!(fixture.file == before);
+    // What is only read may lie there: the nodes of an outline, for one.
+    // SAFETY: the memory is there.
+    let listed = unsafe {
+        capsule_v1_positions_at(
+            model,
+            workspace,
+            1.0,
+            0,
+            inside.cast(),
+            1,
+            points,
+            capacity,
+            &mut count,
+            none,
+        )
+    };
+    assert!(listed != Status::Overlap);
+}
+
 /// The error may be what is at fault: then it is not written, not even for a fault that is found first.
 #[test]
 fn an_error_inside_an_object_is_not_written() {

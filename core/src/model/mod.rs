@@ -48,6 +48,7 @@ const PARAMETER_TOLERANCE: f64 = 1e-6;
 pub struct Model<'a> {
     contents: Contents<'a>,
     digest: u32,
+    file: &'a [u8],
 }
 
 impl<'a> Model<'a> {
@@ -75,19 +76,25 @@ impl<'a> Model<'a> {
         Self {
             contents: Contents::default(),
             digest: 0,
+            file: &[],
         }
     }
 
     /// Fills an empty model.
     fn read(&mut self, file: &'a [u8]) -> Result<(), OpenError> {
         let (payload, digest) = payload(file)?;
-        self.digest = digest;
+        (self.digest, self.file) = (digest, file);
         let mut message = Cursor::new(payload);
         self.contents.read(&mut message);
         match message.end().ok_or(OpenError::Undecodable)? {
             0 => validate::contents(&self.contents),
             found => Err(OpenError::TrailingBytes { found }),
         }
+    }
+
+    /// The bytes of the file.
+    pub fn file(&self) -> &'a [u8] {
+        self.file
     }
 
     /// CRC-32 of the payload: identifies the model.
