@@ -471,6 +471,7 @@ fn difference<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> [T; M] {
 }
 
 /// Product of two states without the translation.
+#[inline(never)]
 fn product<T: Real, const M: usize>(a: &[T; M], b: &[T; M], rank: usize) -> T {
     dot_in_order(part(a, 1..rank), part(b, 1..rank))
 }

@@ -1,33 +1,41 @@
-//! What the fuzz targets share: a small model, numbers near and far from its ranges, and what must be true of answers.
+//! What the fuzz targets do with bytes, so that a test can do it too; and what they share: a small model, numbers near and
+//! far from its ranges, and what must be true of answers.
+
+mod calls;
+mod model;
+mod query;
+
+pub use calls::calls;
+pub use model::model;
+pub use query::query;
 
 #[path = "../../core/tests/common/mod.rs"]
 mod common;
 #[path = "../../core/tests/common/header.rs"]
 mod header;
 
+use arbitrary::{Arbitrary, Unstructured};
 use capsule_core::{
     DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, model::wire::MAX_PARAMETERS,
 };
-use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use std::sync::LazyLock;
 
-pub use header::with_header;
-
 use common::Family;
+use header::with_header;
 
 /// A small model's file.
-pub static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| Family::small().file());
+static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| Family::small().file());
 
 /// A number: most of them near a range, some of them any pattern of bits.
 #[derive(Arbitrary, Clone, Copy, Debug)]
-pub enum Number {
+enum Number {
     Bits(u32),
     Share(u16),
 }
 
 impl Number {
     /// A share of the range, from a fifth below it to a fifth above it.
-    pub fn of(self, [least, greatest]: [f32; 2]) -> f32 {
+    fn of(self, [least, greatest]: [f32; 2]) -> f32 {
         match self {
             Self::Bits(bits) => f32::from_bits(bits),
             Self::Share(share) => least + (f32::from(share) / 65535.0 * 1.4 - 0.2) * (greatest - least),
@@ -37,20 +45,25 @@ impl Number {
 
 /// A query and the instants that it is asked for.
 #[derive(Arbitrary, Debug)]
-pub struct Question {
-    pub parameters: [Number; MAX_PARAMETERS],
-    pub paper: bool,
-    pub extrapolate: bool,
-    pub step: Number,
-    pub instants: [Number; 2],
-    pub node: u16,
+struct Question {
+    parameters: [Number; MAX_PARAMETERS],
+    paper: bool,
+    extrapolate: bool,
+    step: Number,
+    instants: [Number; 2],
+    node: u16,
+}
+
+/// What bytes stand for; bytes that are too few stand for nothing.
+fn input<'a, I: Arbitrary<'a>>(bytes: &'a [u8]) -> Option<I> {
+    I::arbitrary_take_rest(Unstructured::new(bytes)).ok()
 }
 
 /// Asks a model for everything: what it answers is finite.
 ///
 /// # Panics
 /// If an answer is not finite.
-pub fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
+fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
     let Ok(mut evaluator) = Evaluator::new(model, workspace) else {
         return;
     };

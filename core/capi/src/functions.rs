@@ -635,6 +635,7 @@ unsafe fn many(
 }
 
 /// A call that answers with vectors at nodes.
+#[inline(never)]
 unsafe fn scene(
     model: *const Model,
     workspace: *mut Workspace,
@@ -646,7 +647,7 @@ unsafe fn scene(
     capacity: usize,
     count: *mut usize,
     error: *mut Error,
-    ask: impl Fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
+    ask: fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
 ) -> Status {
     let list = Buffer::input(nodes, node_count);
     let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {

@@ -194,6 +194,7 @@ impl<'a> Model<'a> {
 }
 
 /// The payload of a file and its CRC-32, if the header is right.
+#[inline(never)]
 fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
     let truncated = |expected| OpenError::Truncated {
         expected,

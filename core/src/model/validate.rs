@@ -24,6 +24,13 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
     judge.found
 }
 
+/// What a setting must lie within.
+struct Range {
+    what: &'static str,
+    min: f64,
+    max: f64,
+}
+
 /// Keeps what was found wrong first. After it no array is looked at any more: what is known of one is that it is empty.
 struct Judge {
     found: Result<(), OpenError>,
@@ -58,7 +65,14 @@ impl Judge {
         }
         for row in 0..limit.rows() {
             let value = limit.get(row, 1).into();
-            self.setting("capillary number of the steady limit", value, 1e-6, 1e6);
+            self.fixed(
+                value,
+                &Range {
+                    what: "capillary number of the steady limit",
+                    min: 1e-6,
+                    max: 1e6,
+                },
+            );
         }
         self.rising("border", &contents.border, 2, 0);
         self.singles("steady limit", &contents.steady_limit);
@@ -67,17 +81,45 @@ impl Judge {
         let kernel = &contents.kernel;
         self.at_least_one("neighbours of the kernel", kernel.neighbours);
         for scale in kernel.scales {
-            self.setting("scale of the kernel", scale, 1e-9, 1e9);
+            self.fixed(
+                scale,
+                &Range {
+                    what: "scale of the kernel",
+                    min: 1e-9,
+                    max: 1e9,
+                },
+            );
         }
         let paper = &contents.paper;
         self.at_least_one("neighbours of the diffuse approximation", paper.neighbours);
         for scale in paper.scales {
-            self.setting("scale of the diffuse approximation", scale, 1e-9, 1e9);
+            self.fixed(
+                scale,
+                &Range {
+                    what: "scale of the diffuse approximation",
+                    min: 1e-9,
+                    max: 1e9,
+                },
+            );
         }
-        self.setting("radius of the diffuse approximation", paper.radius, 1.0 + 1e-3, 10.0);
+        self.fixed(
+            paper.radius,
+            &Range {
+                what: "radius of the diffuse approximation",
+                min: 1.0 + 1e-3,
+                max: 10.0,
+            },
+        );
         self.at_least_one("local displacement rank", paper.displacement_rank);
         self.at_least_one("local velocity rank", paper.velocity_rank);
-        self.setting("window of the manifold", paper.window, 1.0, 4.0);
+        self.fixed(
+            paper.window,
+            &Range {
+                what: "window of the manifold",
+                min: 1.0,
+                max: 4.0,
+            },
+        );
 
         self.index("parameter of the clusters", 0, contents.split.into(), parameters);
         self.count("clusters", contents.clusters.len().max(1), contents.clusters.len());
@@ -103,7 +145,14 @@ impl Judge {
         self.singles(what, &mesh.sector_reference);
         match mesh.reference {
             Reference::Sphere => self.on_unit_sphere(what, &reference),
-            Reference::Shape { radius } => self.setting("radius of the reference shape", radius, 1e-9, 1e6),
+            Reference::Shape { radius } => self.fixed(
+                radius,
+                &Range {
+                    what: "radius of the reference shape",
+                    min: 1e-9,
+                    max: 1e6,
+                },
+            ),
         }
         let representative = self.indices("representatives", &mesh.representative, nodes, sector);
         self.length("operations", &mesh.operation, nodes);
@@ -171,7 +220,14 @@ impl Judge {
         self.matrix("leave-one-out errors", left_out, [samples, error_times], POSITIVE);
         self.matrix("deviations", deviation, [samples, 1], [f32::MIN_POSITIVE, LARGEST]);
         self.matrix("bound's factors", bound_factors, [error_times, 1], POSITIVE);
-        self.setting("error floor", *floor, 0.0, 1e6);
+        self.fixed(
+            *floor,
+            &Range {
+                what: "error floor",
+                min: 0.0,
+                max: 1e6,
+            },
+        );
     }
 
     fn field(&mut self, cluster: &Cluster<'_>, nodes: usize, end_time: f32) {
@@ -266,6 +322,14 @@ impl Judge {
         }
     }
 
+    /// A setting whose range is the same in every model.
+    #[inline(never)]
+    fn fixed(&mut self, value: f64, range: &Range) {
+        let Range { what, min, max } = *range;
+        self.setting(what, value, min, max);
+    }
+
+    #[inline(never)]
     fn at_least_one(&mut self, what: &'static str, value: u16) {
         self.setting(what, value.into(), 1.0, 1e4);
     }

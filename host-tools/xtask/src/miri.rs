@@ -1,5 +1,6 @@
 //! Miri: an interpreter that stops at undefined behaviour. It is some hundred times slower than the processor, so it runs
-//! the tests that touch memory in new ways, not those that compute long.
+//! the C interface's refusals, where the unsafe code is, the core's own tests, and every entry point on a small model, whole
+//! and with bits flipped.
 
 use crate::command::{command, run};
 use crate::setup;
@@ -11,7 +12,10 @@ const TARGET: &str = "riscv64gc-unknown-linux-gnu";
 /// Runs the tests.
 pub fn miri() -> Result<()> {
     setup::nightly("miri rust-src")?;
-    for tests in ["--package capsule-capi --test refusals", "--package capsule-core --lib"] {
+    for tests in [
+        "--package capsule-capi --test refusals",
+        "--package capsule-core --lib --test flips",
+    ] {
         run(&mut command(&format!(
             "cargo +nightly miri test --target {TARGET} {tests}"
         )))?;

@@ -45,10 +45,7 @@ pub fn nightly(components: &str) -> Result<()> {
     if !on_path("rustup") {
         bail!("nightly Rust: rustup is not on the PATH");
     }
-    let installed = command("rustup component list --installed --toolchain nightly").output();
-    let installed = installed.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())?;
-    let has = |component: &str| installed.lines().any(|line| line.starts_with(component));
-    if has("rustc") && components.split_whitespace().all(has) {
+    if has_nightly(components) {
         return Ok(());
     }
     let mut install = "rustup toolchain install nightly --profile minimal".to_owned();
@@ -56,6 +53,16 @@ pub fn nightly(components: &str) -> Result<()> {
         .split_whitespace()
         .for_each(|component| install += &format!(" --component {component}"));
     run(&mut command(&install)).map_err(|error| anyhow!("nightly Rust: run `{install}` ({error})"))
+}
+
+/// Whether there is one.
+pub fn has_nightly(components: &str) -> bool {
+    let installed = command("rustup component list --installed --toolchain nightly").output();
+    let installed = installed.map_or(String::new(), |output| {
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    });
+    let has = |component: &str| installed.lines().any(|line| line.starts_with(component));
+    has("rustc") && components.split_whitespace().all(has)
 }
 
 /// A subcommand of cargo.

@@ -28,7 +28,7 @@ enum Stage {
     C,
     /// instructions, stack and bytes of the online stage on an emulated Cortex-M4F
     Budgets,
-    /// inputs made by libFuzzer, for a few seconds; only when named
+    /// the seeds of fuzzing and inputs made of them; libFuzzer for a few seconds where it is installed
     Fuzz,
     /// a sharded sweep on a Slurm of one node
     Cluster,
@@ -48,15 +48,10 @@ impl Stage {
         Self::Browser,
     ];
 
-    /// Whether it runs without being named: fuzzing builds everything again with the nightly compiler.
-    fn is_usual(self) -> bool {
-        self != Self::Fuzz
-    }
-
     /// Brings what the stage needs beyond rustup.
     fn set_up(self) -> Result<()> {
         match self {
-            Self::Lint | Self::Rust => Ok(()),
+            Self::Lint | Self::Rust | Self::Fuzz => Ok(()),
             Self::Firmware => {
                 setup::rust_target("thumbv7em-none-eabihf")?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
@@ -74,7 +69,6 @@ impl Stage {
                 setup::debian_package("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
             }
-            Self::Fuzz => fuzz::set_up(),
             Self::Cluster => setup::debian_package("slurmctld", "slurmctld slurmd slurm-client munge"),
             Self::Browser => {
                 setup::rust_target("wasm32-unknown-unknown")?;
@@ -103,7 +97,15 @@ impl Stage {
                     .env("CAPSULE_CORTEX_M_PACKAGE", cortex_m))
             }
             Self::Budgets => budgets::budgets(&budgets::Options::default()),
-            Self::Fuzz => fuzz::fuzz(&fuzz::Options { seconds: 5 }),
+            Self::Fuzz => {
+                fuzz::replay()?;
+                if fuzz::is_set_up() {
+                    fuzz::fuzz(&fuzz::Options { seconds: 20 })
+                } else {
+                    eprintln!("libFuzzer is left out: `cargo xtask fuzz` installs what it needs");
+                    Ok(())
+                }
+            }
             Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
             Self::Browser => {
                 explore::build()?;
@@ -122,12 +124,7 @@ pub fn test(options: &Options) -> Result<()> {
     let mut report = Vec::new();
     let mut failed = false;
     for stage in Stage::ALL {
-        let asked = if options.only.is_empty() {
-            stage.is_usual()
-        } else {
-            options.only.contains(&stage)
-        };
-        if !asked {
+        if !options.only.is_empty() && !options.only.contains(&stage) {
             continue;
         }
         let start = Instant::now();
