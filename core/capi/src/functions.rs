@@ -37,6 +37,11 @@ type Ask<'f> = dyn for<'a, 'e> Work<&'a mut Instant<'e>, ()> + 'f;
 /// cbindgen:ignore
 type Fill<'f> = dyn for<'a, 'e, 'o> Work<(&'a mut Instant<'e>, &'o mut [f32]), usize> + 'f;
 
+/// Writes vectors at nodes and returns how many.
+///
+/// cbindgen:ignore
+type Vectors = fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>;
+
 /// What the status means, in a sentence that ends with a zero.
 #[unsafe(no_mangle)]
 pub extern "C" fn capsule_v1_status_text(status: u32) -> *const c_char {
@@ -647,7 +652,7 @@ unsafe fn scene(
     capacity: usize,
     count: *mut usize,
     error: *mut Error,
-    ask: fn(&mut Instant<'_>, &Scene<'_>, &mut [[f32; 3]]) -> Result<usize, rom::EvaluateError>,
+    ask: Vectors,
 ) -> Status {
     let list = Buffer::input(nodes, node_count);
     let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {
