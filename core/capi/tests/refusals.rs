@@ -58,6 +58,11 @@ impl Fixture {
         fixture
     }
 
+    /// What the workspace holds; nothing in Miri, to which the padding between its fields is no number.
+    fn words(&self) -> Option<[u64; WORKSPACE_WORDS]> {
+        (!cfg!(miri)).then(|| self.workspace.opaque)
+    }
+
     fn open(&mut self, length: usize, error: *mut Error) -> Status {
         let file = self.file.as_ptr().cast();
         // SAFETY: the fixture owns the memory.
@@ -165,12 +170,13 @@ fn short_buffers_say_what_is_needed() {
 #[test]
 fn overlapping_buffers() {
     let mut fixture = Fixture::new();
-    let (mut numbers, mut count) = ([0.0_f32; 512], 0);
+    // As words, so that what overlaps them is aligned.
+    let (mut words, mut count) = ([0_u64; 256], 0);
     let inside = (&raw mut *fixture.workspace).cast::<f32>().wrapping_add(8);
     assert_eq!(fixture.outline(0, inside, 128, &mut count, null_mut()), Status::Overlap);
     let inside = (&raw mut *fixture.model).cast::<f32>();
     assert_eq!(fixture.outline(0, inside, 128, &mut count, null_mut()), Status::Overlap);
-    let points = numbers.as_mut_ptr();
+    let points = words.as_mut_ptr().cast::<f32>();
     assert_eq!(
         fixture.outline(0, points, 512, points.wrapping_add(2).cast(), null_mut()),
         Status::Overlap
@@ -272,7 +278,7 @@ fn an_error_inside_an_object_is_not_written() {
     let mut fixture = Fixture::new();
     let inside = (&raw mut *fixture.workspace).wrapping_byte_add(64).cast();
     let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
-    let before = fixture.workspace.opaque;
+    let before = fixture.words();
     // SAFETY: every call is refused.
     let found = unsafe {
         [
@@ -282,7 +288,7 @@ fn an_error_inside_an_object_is_not_written() {
         ]
     };
     assert_eq!(found, [Status::Null, Status::Null, Status::Overlap]);
-    assert!(fixture.workspace.opaque == before);
+    assert!(fixture.words() == before);
 }
 
 #[test]
