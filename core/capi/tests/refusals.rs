@@ -60,7 +60,7 @@ impl Fixture {
 
     /// What the workspace holds; nothing in Miri, to which the padding between its fields is no number.
     fn words(&self) -> Option<[u64; WORKSPACE_WORDS]> {
-        (!cfg!(miri)).then(|| self.workspace.opaque)
+        (!cfg!(miri)).then_some(self.workspace.opaque)
     }
 
     fn open(&mut self, length: usize, error: *mut Error) -> Status {
