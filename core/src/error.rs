@@ -1,7 +1,9 @@
 //! Errors, with what was found and what would be right.
 
+use crate::model::Model;
+use crate::model::wire::Parameter;
 use core::error::Error;
-use core::fmt::{Display, Formatter, Result};
+use core::fmt::{self, Display, Formatter, Result};
 
 /// Why a model file was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -242,7 +244,7 @@ pub enum EvaluateError {
         /// The workspace's figure.
         capacity: usize,
     },
-    /// A parameter, step or instant that is not a number in its range.
+    /// A step or instant that is not a number in its range.
     Value {
         /// Its name.
         what: &'static str,
@@ -262,8 +264,8 @@ pub enum EvaluateError {
     },
     /// A parameter that is not a number in the range that it can have at all.
     Parameter {
-        /// Which.
-        what: &'static str,
+        /// Its place among the model's parameters, from 0.
+        index: usize,
         /// Its value.
         value: f32,
         /// Least value allowed.
@@ -273,8 +275,8 @@ pub enum EvaluateError {
     },
     /// A parameter lies outside its sampled range.
     OutsideDomain {
-        /// Which.
-        what: &'static str,
+        /// Its place among the model's parameters, from 0.
+        index: usize,
         /// Its value.
         value: f32,
         /// Its sampled range.
@@ -335,8 +337,19 @@ pub enum EvaluateError {
     NotFinite,
 }
 
-impl Display for EvaluateError {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+impl EvaluateError {
+    /// The error in words, in which parameters bear the names that `model` gives them instead of their numbers.
+    pub fn named<'a>(&'a self, model: &'a Model<'_>) -> impl Display + 'a {
+        fmt::from_fn(|f| self.write(f, &model.contents().metadata.parameters))
+    }
+
+    fn write(&self, f: &mut Formatter<'_>, parameters: &[Parameter<'_>]) -> Result {
+        let name = |index: usize| {
+            fmt::from_fn(move |f| match parameters.get(index) {
+                Some(parameter) => f.write_str(parameter.name),
+                None => write!(f, "parameter {}", index + 1),
+            })
+        };
         match *self {
             Self::Capacity {
                 limit,
@@ -345,15 +358,20 @@ impl Display for EvaluateError {
             } => {
                 write!(f, "the model has {required} {limit}, the workspace holds {capacity}")
             }
-            Self::Value { what, value, min, max } | Self::Parameter { what, value, min, max } => {
-                write!(f, "{what} is {value}, it must be in [{min}, {max}]")
+            Self::Value { what, value, min, max } => write!(f, "{what} is {value}, it must be in [{min}, {max}]"),
+            Self::Parameter { index, value, min, max } => {
+                write!(f, "{} is {value}, it must be in [{min}, {max}]", name(index))
+            }
+            Self::OutsideDomain { index, value, range } => {
+                let [min, max] = range;
+                write!(
+                    f,
+                    "{} = {value} lies outside its sampled range [{min}, {max}]",
+                    name(index)
+                )
             }
             Self::ParameterCount { expected, found } => {
                 write!(f, "the model has {expected} parameters, the query {found}")
-            }
-            Self::OutsideDomain { what, value, range } => {
-                let [min, max] = range;
-                write!(f, "{what} = {value} lies outside its sampled range [{min}, {max}]")
             }
             Self::FarFromSamples { ratio } => write!(
                 f,
@@ -395,6 +413,12 @@ impl Display for EvaluateError {
                 "the result is not finite: the parameters are too far from all samples"
             ),
         }
+    }
+}
+
+impl Display for EvaluateError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        self.write(f, &[])
     }
 }
 

@@ -7,7 +7,7 @@ use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
 use crate::mechanics::Membrane;
-use crate::model::wire::{Cluster, Errors, MAX_PARAMETERS, Reference};
+use crate::model::wire::{Cluster, Errors, Reference};
 use crate::model::{MatrixView, Model, apply};
 use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
@@ -121,8 +121,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         let max = GREATEST;
         for (index, value) in values.iter().enumerate() {
             if !lies_in(*value, min, max) {
-                let (what, value) = (self.parameter(index), value.to_f32());
-                return Err(EvaluateError::Parameter { what, value, min, max });
+                let value = value.to_f32();
+                return Err(EvaluateError::Parameter { index, value, min, max });
             }
         }
         if let Some(step) = query.step {
@@ -136,7 +136,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             && let Some(range) = ranges.get(index)
         {
             return Err(EvaluateError::OutsideDomain {
-                what: self.parameter(index),
+                index,
                 value: query.parameters.get(index).to_f32(),
                 range: [range.min as f32, range.max as f32],
             });
@@ -150,28 +150,6 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             });
         }
         Ok(domain)
-    }
-
-    /// A parameter in words that live as long as the program.
-    fn parameter(&self, index: usize) -> &'static str {
-        const PLACES: [&str; MAX_PARAMETERS] = [
-            "the first parameter",
-            "the second parameter",
-            "the third parameter",
-            "the fourth parameter",
-        ];
-        match self
-            .model
-            .contents()
-            .metadata
-            .parameters
-            .get(index)
-            .map(|parameter| parameter.name)
-        {
-            Some("capillary_number") => "capillary number",
-            Some("confinement") => "confinement",
-            _ => PLACES.get(index).copied().unwrap_or_default(),
-        }
     }
 
     /// Goes to the instant `t` in [0, T], in l/V, of the prepared query. Costs nothing until something is asked of it.

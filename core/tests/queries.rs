@@ -43,7 +43,7 @@ fn parameters_are_judged() {
         );
         assert_eq!(
             error.to_string(),
-            "capillary number = 0.3 lies outside its sampled range [0.005, 0.2]"
+            "parameter 1 = 0.3 lies outside its sampled range [0.005, 0.2]"
         );
         assert_eq!(prepare(0.3, 0.9, true), Ok(Domain::Outside));
         assert_eq!(prepare(0.05, 0.6, true), Ok(Domain::Outside));
@@ -53,11 +53,11 @@ fn parameters_are_judged() {
         for bad in [f64::NAN, f64::INFINITY, 0.0, -0.1] {
             for extrapolate in [false, true] {
                 for (name, error) in [
-                    ("capillary number", prepare(bad, 0.9, extrapolate).unwrap_err()),
+                    ("capillary_number", prepare(bad, 0.9, extrapolate).unwrap_err()),
                     ("confinement", prepare(0.05, bad, extrapolate).unwrap_err()),
                 ] {
                     assert!(matches!(error, EvaluateError::Parameter { .. }), "{error}");
-                    assert!(error.to_string().starts_with(name), "{error}");
+                    assert!(error.named(&model).to_string().starts_with(name), "{error}");
                 }
             }
         }

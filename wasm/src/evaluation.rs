@@ -75,7 +75,9 @@ impl Evaluation {
             extrapolate,
             ..Query::new(parameters, method)
         };
-        let domain = Evaluator::new(self.shared.core(), &mut self.workspace)?.prepare(&self.query)?;
+        let model = self.shared.core();
+        let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&self.query);
+        let domain = prepared.map_err(|error| JsError::new(&error.named(model).to_string()))?;
         Ok(match domain {
             Domain::Inside => "inside",
             Domain::BeyondSteadyLimit => "beyond-steady-limit",

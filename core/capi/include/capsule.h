@@ -213,7 +213,8 @@ typedef struct capsule_model {
 typedef struct capsule_error {
   // The status that the call returned.
   capsule_status status;
-  // Name of what was wrong: `what_length` characters without a terminating zero, or null.
+  // Name of what was wrong: `what_length` characters without a terminating zero, in the library or in the model's
+  // file, or null.
   const char *what;
   // Length of `what`.
   size_t what_length;

@@ -1,7 +1,7 @@
 //! The figures of a failure.
 
 use crate::Status;
-use capsule_core::{EvaluateError, OpenError};
+use capsule_core::{EvaluateError, Model, OpenError};
 use core::ffi::c_char;
 use core::ptr;
 
@@ -12,7 +12,8 @@ use core::ptr;
 pub struct Error {
     /// The status that the call returned.
     pub status: Status,
-    /// Name of what was wrong: `what_length` characters without a terminating zero, or null.
+    /// Name of what was wrong: `what_length` characters without a terminating zero, in the library or in the model's
+    /// file, or null.
     pub what: *const c_char,
     /// Length of `what`.
     pub what_length: usize,
@@ -37,17 +38,35 @@ impl Error {
     /// A failure with what was found, the least and the greatest that would be right.
     #[inline(never)]
     pub(crate) fn new(status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Self {
+        let figures = Self {
+            found,
+            least,
+            greatest,
+            ..status.into()
+        };
+        figures.about(what)
+    }
+
+    /// Why a query was refused; a parameter bears the name that the model gives it.
+    pub(crate) fn of_query(error: EvaluateError, model: &Model<'static>) -> Self {
+        let ranges = &model.contents().metadata.parameters;
+        match error {
+            EvaluateError::Parameter { index, .. } | EvaluateError::OutsideDomain { index, .. } => {
+                Self::from(error).about(ranges.get(index).map_or("", |range| range.name))
+            }
+            _ => error.into(),
+        }
+    }
+
+    fn about(self, what: &'static str) -> Self {
         Self {
-            status,
             what: if what.is_empty() {
                 ptr::null()
             } else {
                 what.as_ptr().cast()
             },
             what_length: what.len(),
-            found,
-            least,
-            greatest,
+            ..self
         }
     }
 }
@@ -100,17 +119,16 @@ impl From<EvaluateError> for Error {
                 required,
                 capacity,
             } => (Status::Capacity, limit, counts(required, 0, capacity)),
-            EvaluateError::Value { what, value, min, max } | EvaluateError::Parameter { what, value, min, max } => {
-                (Status::Value, what, numbers(value, min, max))
-            }
+            EvaluateError::Value { what, value, min, max } => (Status::Value, what, numbers(value, min, max)),
+            EvaluateError::Parameter { value, min, max, .. } => (Status::Value, "", numbers(value, min, max)),
             EvaluateError::ParameterCount { expected, found } => {
                 (Status::ParameterCount, "", counts(found, expected, 0))
             }
             EvaluateError::OutsideDomain {
-                what,
                 value,
                 range: [min, max],
-            } => (Status::OutsideDomain, what, numbers(value, min, max)),
+                ..
+            } => (Status::OutsideDomain, "", numbers(value, min, max)),
             EvaluateError::FarFromSamples { ratio } => (
                 Status::OutsideDomain,
                 "distance from the samples",

@@ -203,7 +203,8 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         if query.step != 0.0 {
             asked.step = Some(query.step);
         }
-        let found = Evaluator::new(model, workspace)?.prepare(&asked)?;
+        let prepared = Evaluator::new(model, workspace)?.prepare(&asked);
+        let found = prepared.map_err(|error| Error::of_query(error, model))?;
         if !domain.is_null() {
             // SAFETY: the caller keeps what the module says.
             unsafe { domain.place() }.write(match found {

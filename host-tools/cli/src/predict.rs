@@ -4,7 +4,7 @@ use crate::fields::{self, Column, Field, Surface, Totals};
 use crate::model::{self, ModelFile};
 use crate::parameters::QueryOptions;
 use crate::{outlines, print};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::model::wire::{Reference, Units};
 use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
@@ -142,10 +142,12 @@ pub fn run(options: &Options) -> Result<()> {
     let parameters = options.query.of(&model)?;
     let mut workspace = Box::new(Workspace::<f32>::new());
     let mut evaluator = Evaluator::new(&model, &mut workspace)?;
-    evaluator.prepare(&Query {
+    let query = Query {
         extrapolate: options.extrapolate,
         ..Query::new(parameters.values, method)
-    })?;
+    };
+    let prepared = evaluator.prepare(&query);
+    prepared.map_err(|error| anyhow!("{}", error.named(&model)))?;
 
     let mut mechanics = Mechanics::new(&model, &options.fields, parameters.values.get(0))?;
     let instants = options

@@ -36,34 +36,8 @@ impl Numbers {
         }
     }
 
-    /// As [`Numbers::new`], in units of the columns if the storage is so, row by row: two bytes a number.
-    fn in_columns(storage: Storage, dimensions: [usize; 2], value: impl Fn(usize, usize) -> f64) -> Self {
-        let [_, columns] = dimensions;
-        Numbers::integers(storage, Encoding::Columns, columns, dimensions, value)
-    }
-
-    /// In units of the columns if the storage is so, in panels: `coarse` columns in two bytes, the others in one.
-    fn in_column_panels(
-        storage: Storage,
-        coarse: usize,
-        dimensions: [usize; 2],
-        value: impl Fn(usize, usize) -> f64,
-    ) -> Self {
-        Numbers::integers(storage, Encoding::ColumnPanels, coarse, dimensions, value)
-    }
-
-    /// In units of the rows if the storage is so, in panels: in two bytes or in one.
-    fn in_row_panels(
-        storage: Storage,
-        two_bytes: bool,
-        dimensions: [usize; 2],
-        value: impl Fn(usize, usize) -> f64,
-    ) -> Self {
-        let coarse = if two_bytes { dimensions[1] } else { 0 };
-        Numbers::integers(storage, Encoding::RowPanels, coarse, dimensions, value)
-    }
-
-    /// Units of the columns or of the rows, and multiples of them.
+    /// As [`Numbers::new`], but units of the columns or of the rows and multiples of them if the storage is so: the first
+    /// `coarse` columns in two bytes, the others in one.
     fn integers(
         storage: Storage,
         encoding: fn(Digits) -> Encoding,
@@ -379,14 +353,27 @@ impl FieldParts {
             }
         };
         let core = |two_bytes: bool, rows: &[(&Slice, usize)]| {
-            Numbers::in_row_panels(storage, two_bytes, [rows.len(), columns], |i, l| entry(&rows[i], l))
+            let coarse = if two_bytes { columns } else { 0 };
+            Numbers::integers(storage, Encoding::RowPanels, coarse, [rows.len(), columns], |i, l| {
+                entry(&rows[i], l)
+            })
         };
         let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
         FieldParts {
-            modes: Numbers::in_column_panels(storage, coarse_modes, [3 * stride, modes.ncols()], at_node),
-            parameter_modes: Numbers::in_columns(storage, [pod.parameter_modes.nrows(), columns], |j, l| {
-                pod.parameter_modes[(j, l)]
-            }),
+            modes: Numbers::integers(
+                storage,
+                Encoding::ColumnPanels,
+                coarse_modes,
+                [3 * stride, modes.ncols()],
+                at_node,
+            ),
+            parameter_modes: Numbers::integers(
+                storage,
+                Encoding::Columns,
+                columns,
+                [pod.parameter_modes.nrows(), columns],
+                |j, l| pod.parameter_modes[(j, l)],
+            ),
             knots: Numbers::column(snapshots.knots()),
             slices: indices(&slices),
             coarse: core(true, &coarse),
