@@ -12,11 +12,15 @@ use crate::interpolate::weight;
 use crate::linalg::{add_scaled, dot_in_order, part, part_mut};
 use crate::model::MatrixView;
 
-/// The most snapshots that a window holds.
-const MOST: usize = 8;
+/// Snapshots of a window: two on each side of an instant. The paper's R, twice their interval, holds no more.
+const NEAR: usize = 4;
+/// Those of them that are seen from the first, at the start of the interval: at its end, after it, and before it.
+const OTHERS: usize = NEAR - 1;
 /// Ridge of the dual system, as a share of its trace: directions in which the window's snapshots differ by less than a
 /// hundredth of what they do at most are not extrapolated.
 const RIDGE: f32 = 1e-4;
+/// Weight of a snapshot that has none.
+const NONE: f32 = 1e-9;
 /// Least spread of the shape that counts as motion, as a share of the shape's displacement.
 const REST: f32 = 1e-2;
 
@@ -46,13 +50,12 @@ impl Times<'_> {
     }
 }
 
-/// Snapshots in local coordinates around an instant, kept as the instant moves on.
+/// Snapshots in local coordinates around an instant, kept as the instant moves on. Instant i lies in slot i mod 4.
 #[derive(Clone, Debug)]
 pub(crate) struct Manifold<T, const M: usize> {
-    /// Stored instant in each slot; instant i lies in slot i mod 8.
-    instants: [Option<usize>; MOST],
-    snapshots: [Snapshot<T, M>; MOST],
-    window: Window<T>,
+    instants: [Option<usize>; NEAR],
+    snapshots: [Snapshot<T, M>; NEAR],
+    window: Window<T, M>,
     /// Local coordinates that there are, the translation's among them; the others are 0.
     rank: usize,
 }
@@ -74,60 +77,53 @@ impl<T: Real, const M: usize> Snapshot<T, M> {
     };
 }
 
-/// The snapshots that have weight, and what of the fit does not change as long as they are the same.
-#[derive(Clone, Copy, Debug)]
-struct Window<T> {
-    /// It is the same from the first of these instants to before the second.
+/// What of the fit does not change within an interval of the stored instants: the snapshots around it, as differences from
+/// that at its start. Products are those of shapes.
+#[derive(Clone, Debug)]
+struct Window<T, const M: usize> {
+    /// Instants for which it is the same: from the first to before the second.
     span: [T; 2],
-    /// The interval of stored instants, and its ends.
+    /// The interval, and its ends.
     interval: usize,
     ends: [T; 2],
     /// R of eq. (45).
     radius: T,
-    /// The first stored instant that has weight, and how many follow.
-    first: usize,
-    count: usize,
-    places: [Place<T>; MOST],
-    /// Square of the shape at the interval's start.
+    times: [T; OTHERS],
+    alpha: [[T; M]; OTHERS],
+    rate: [[T; M]; OTHERS],
+    /// Differences of the translation.
+    shifts: [T; OTHERS],
+    /// Products of the differences with each other, ...
+    products: [[T; OTHERS]; OTHERS],
+    /// ... with the shape at the start, ...
+    starts: [T; OTHERS],
+    /// ... and with the difference at the end, the rate at the start, and the difference of the rate at the end.
+    along: [[T; 3]; OTHERS],
+    /// Square of the shape at the start.
     square: T,
     stiffness: T,
 }
 
-/// Where a snapshot lies as seen from that at the interval's start. Products are those of the shapes.
-#[derive(Clone, Copy, Debug)]
-struct Place<T> {
-    time: T,
-    /// Difference of the translation.
-    shift: T,
-    /// Products of the difference with the others.
-    products: [T; MOST],
-    /// Products of the difference with the shape at the interval's start, ...
-    start: T,
-    /// ... with the difference of that at its end, and with the rates at both.
-    along: [T; 3],
-}
-
-impl<T: Real> Window<T> {
+impl<T: Real, const M: usize> Window<T, M> {
     const NONE: Self = Self {
         span: [T::ZERO; 2],
         interval: 0,
         ends: [T::ZERO; 2],
         radius: T::ZERO,
-        first: 0,
-        count: 0,
-        places: [Place {
-            time: T::ZERO,
-            shift: T::ZERO,
-            products: [T::ZERO; MOST],
-            start: T::ZERO,
-            along: [T::ZERO; 3],
-        }; MOST],
+        times: [T::ZERO; OTHERS],
+        alpha: [[T::ZERO; M]; OTHERS],
+        rate: [[T::ZERO; M]; OTHERS],
+        shifts: [T::ZERO; OTHERS],
+        products: [[T::ZERO; OTHERS]; OTHERS],
+        starts: [T::ZERO; OTHERS],
+        along: [[T::ZERO; 3]; OTHERS],
         square: T::ZERO,
         stiffness: T::ZERO,
     };
 
-    /// Finds the snapshots that have weight at `t`, with R = `width` times the snapshot interval that holds t.
-    fn find(&mut self, times: &Times<'_>, width: T, t: T) {
+    /// Finds the interval that holds `t`, with R = `width` times its length. Returns the instants of the snapshots, which
+    /// may lie beyond the last one.
+    fn find(&mut self, times: &Times<'_>, width: T, t: T) -> [usize; NEAR] {
         let last = times.count() - 1;
         self.interval = times.interval(t);
         self.ends = [times.get(self.interval), times.get(self.interval + 1)];
@@ -136,51 +132,61 @@ impl<T: Real> Window<T> {
         if self.interval + 1 == last {
             self.span[1] = T::from_f32(f32::INFINITY);
         }
-        (self.first, self.count) = (0, 0);
-        let nearest = (self.interval + 1).saturating_sub(MOST / 2)..=(self.interval + MOST / 2).min(last);
-        for instant in nearest {
-            let time = times.get::<T>(instant);
-            let borders = [time - self.radius, time + self.radius];
-            for border in borders {
-                let [from, to] = &mut self.span;
-                if border <= t {
-                    *from = from.max(border);
-                } else {
-                    *to = to.min(border);
-                }
-            }
-            if borders[0] <= t
-                && t < borders[1]
-                && let Some(place) = self.places.get_mut(self.count)
-            {
-                place.time = time;
-                if self.count == 0 {
-                    self.first = instant;
-                }
-                self.count += 1;
-            }
-        }
+        let first = self.interval.saturating_sub(1).min((last + 1).saturating_sub(NEAR));
+        core::array::from_fn(|place| {
+            let slot = (self.interval + place) % NEAR;
+            first + (slot + NEAR - first % NEAR) % NEAR
+        })
     }
 
-    /// At `t` on the cubic through the snapshots at both ends of the interval with their rates: the factors of their
-    /// difference and of the rates.
+    /// Relates the snapshots to each other; their instants are those that were found.
+    #[inline(never)]
+    fn relate(&mut self, snapshots: [&Snapshot<T, M>; NEAR], rank: usize) {
+        let product = |a: &[T; M], b: &[T; M]| product(a, b, rank);
+        let [start, others @ ..] = snapshots;
+        for (out, other) in self.alpha.iter_mut().zip(others) {
+            subtract(out, &other.alpha, &start.alpha);
+        }
+        for (out, other) in self.rate.iter_mut().zip(others) {
+            subtract(out, &other.rate, &start.rate);
+        }
+        self.shifts = self.alpha.each_ref().map(|alpha| alpha[0]);
+        self.square = product(&start.alpha, &start.alpha);
+        self.starts = self.alpha.each_ref().map(|alpha| product(alpha, &start.alpha));
+        self.products = self.alpha.each_ref().map(|a| self.alpha.each_ref().map(|b| product(a, b)));
+        let [rise, ..] = &self.alpha;
+        let [change, ..] = &self.rate;
+        self.along = self.alpha.each_ref().map(|alpha| [rise, &start.rate, change].map(|other| product(alpha, other)));
+        let mut stiffness = T::ZERO;
+        for (i, a) in snapshots.iter().enumerate() {
+            for b in snapshots.iter().skip(i + 1) {
+                let [change, apart] = [apart(&a.xi, &b.xi, rank), apart(&a.alpha, &b.alpha, rank)];
+                stiffness = stiffness.max(change * reciprocal(apart));
+            }
+        }
+        self.stiffness = stiffness.sqrt();
+    }
+
+    /// At `t` on the cubic through the snapshots at both ends of the interval with their rates: the factors of the
+    /// difference at its end, of the rate at its start, and of the difference of the rate.
     fn cubic(&self, t: T) -> [T; 3] {
         let [start, end] = self.ends;
         let length = end - start;
         let s = (t - start) / length;
         let rest = T::ONE - s;
+        let to_end = -(s * s * rest * length);
         [
             s * s * (T::from_f32(3.0) - s - s),
-            rest * rest * s * length,
-            -(s * s * rest * length),
+            rest * rest * s * length + to_end,
+            to_end,
         ]
     }
 }
 
 impl<T: Real, const M: usize> Manifold<T, M> {
     pub(crate) const EMPTY: Self = Self {
-        instants: [None; MOST],
-        snapshots: [Snapshot::ZERO; MOST],
+        instants: [None; NEAR],
+        snapshots: [Snapshot::ZERO; NEAR],
         window: Window::NONE,
         rank: M,
     };
@@ -188,7 +194,7 @@ impl<T: Real, const M: usize> Manifold<T, M> {
     /// Forgets all snapshots; those to come have so many coordinates.
     pub(crate) fn forget(&mut self, rank: usize) {
         self.rank = rank;
-        self.instants = [None; MOST];
+        self.instants = [None; NEAR];
         self.window.span = [T::ZERO; 2];
     }
 
@@ -201,55 +207,40 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         t: T,
         mut fetch: impl FnMut(usize, &mut Snapshot<T, M>),
     ) {
-        let Self {
-            instants,
-            snapshots,
-            window,
-            rank,
-        } = self;
-        let product = |a: &[T; M], b: &[T; M]| product(a, b, *rank);
-        let [from, to] = window.span;
+        let [from, to] = self.window.span;
         if from <= t && t < to {
             return;
         }
-        window.find(times, width, t);
-        let (start, end) = (window.interval, window.interval + 1);
-        let weighted = window.first..window.first + window.count;
-        for instant in [start, end].into_iter().chain(weighted) {
-            let slot = instant % MOST;
-            if instants[slot] != Some(instant) {
-                fetch(instant, &mut snapshots[slot]);
-                instants[slot] = Some(instant);
+        let instants = self.window.find(times, width, t);
+        let last = times.count() - 1;
+        for instant in instants {
+            let slot = instant % NEAR;
+            if self.instants[slot] != Some(instant) {
+                fetch(instant.min(last), &mut self.snapshots[slot]);
+                self.instants[slot] = Some(instant);
             }
         }
-        let [start, end] = [start, end].map(|instant| &snapshots[instant % MOST]);
-        let rise = difference(&end.alpha, &start.alpha);
-        window.square = product(&start.alpha, &start.alpha);
-        window.stiffness = T::ZERO;
-        let (first, count) = (window.first, window.count);
-        let snapshots = |j: usize| &snapshots[(first + j) % MOST];
-        for (j, place) in part_mut(&mut window.places, 0..count).iter_mut().enumerate() {
-            let here = snapshots(j);
-            let alpha = difference(&here.alpha, &start.alpha);
-            place.shift = alpha[0];
-            place.start = product(&alpha, &start.alpha);
-            place.along = [&rise, &start.rate, &end.rate].map(|other| product(&alpha, other));
-            for (i, products) in place.products.iter_mut().enumerate().take(count) {
-                let other = snapshots(i);
-                *products = product(&alpha, &difference(&other.alpha, &start.alpha));
-                let apart = difference(&here.alpha, &other.alpha);
-                let apart = product(&apart, &apart).sqrt();
-                if i < j && apart > T::ZERO {
-                    let change = difference(&here.xi, &other.xi);
-                    window.stiffness = window.stiffness.max(product(&change, &change).sqrt() / apart);
-                }
+        let [_, others @ ..] = instants;
+        // What is not stored has no weight.
+        self.window.times = others.map(|instant| {
+            if instant > last {
+                T::from_f32(f32::INFINITY)
+            } else {
+                times.get(instant)
             }
-        }
+        });
+        let snapshots = instants.map(|instant| &self.snapshots[instant % NEAR]);
+        self.window.relate(snapshots, self.rank);
+    }
+
+    /// The snapshot at the start of the interval.
+    fn first(&self) -> &Snapshot<T, M> {
+        &self.snapshots[self.window.interval % NEAR]
     }
 
     /// alpha^D at the start of the interval.
     pub(crate) fn start(&self) -> [T; M] {
-        self.snapshots[self.window.interval % MOST].alpha
+        self.first().alpha
     }
 
     /// How fast the shape relaxes in the window: the greatest change of the velocity over that of the displacement
@@ -259,47 +250,59 @@ impl<T: Real, const M: usize> Manifold<T, M> {
     }
 
     /// d alpha / dt = Q M(alpha, t), for an Euler step of a length from there.
-    pub(crate) fn rate(&self, t: T, step: T, alpha: &[T; M]) -> [T; M] {
-        let shares = self.shares(t, step, alpha);
-        self.sum(&shares, |snapshot| &snapshot.rate)
-    }
-
-    /// xi = M(alpha, t) (eq. 49).
-    pub(crate) fn velocity(&self, t: T, alpha: &[T; M]) -> [T; M] {
-        let shares = self.shares(t, T::ZERO, alpha);
-        self.sum(&shares, |snapshot| &snapshot.xi)
-    }
-
-    /// The shares of the window's snapshots in M(alpha, t), for an Euler step of a length from there.
     ///
     /// The manifold is a line through a few snapshots that follow each other. Where these drift apart from their mean it
     /// amplifies whatever deviates from them, without bound. So the response to the deviation of the state from
     /// the learned trajectory counts only as far as the step does not enlarge the deviation: then what a step errs is
     /// added to the errors before it, and never multiplied.
-    fn shares(&self, t: T, step: T, alpha: &[T; M]) -> [T; MOST] {
+    pub(crate) fn rate(&self, t: T, step: T, alpha: &[T; M]) -> [T; M] {
+        let shares = self.shares(t, step, alpha);
+        let mut rate = self.first().rate;
+        for (share, difference) in shares.iter().zip(&self.window.rate) {
+            add_scaled(part_mut(&mut rate, 0..self.rank), *share, difference);
+        }
+        rate
+    }
+
+    /// xi = M(alpha, t) (eq. 49).
+    pub(crate) fn velocity(&self, t: T, alpha: &[T; M]) -> [T; M] {
+        let shares = self.shares(t, T::ZERO, alpha);
+        let mut xi = self.first().xi;
+        let mut difference = [T::ZERO; M];
+        for (place, share) in shares.iter().enumerate() {
+            let other = &self.snapshots[(self.window.interval + 1 + place) % NEAR];
+            subtract(&mut difference, &other.xi, &self.first().xi);
+            add_scaled(&mut xi, *share, &difference);
+        }
+        xi
+    }
+
+    /// The shares that the differences from the first snapshot have in M(alpha, t), for an Euler step of a length from
+    /// there.
+    fn shares(&self, t: T, step: T, alpha: &[T; M]) -> [T; OTHERS] {
         let window = &self.window;
         let cubic = window.cubic(t);
-        let [rise, to_start, to_end] = cubic;
-        let [start, end] = [0, 1].map(|end| &self.snapshots[(window.interval + end) % MOST]);
-        // Down to the translation, whose change is asked for too.
-        let mut change = T::ZERO;
+        let [to_rise, to_rate, to_change] = cubic;
+        let (start, [rise, ..], [change, ..]) = (self.first(), &window.alpha, &window.rate);
+        // Down to the translation, whose way is asked for too.
+        let mut way = T::ZERO;
         let mut deviation = [T::ZERO; M];
         for k in (0..self.rank.min(M)).rev() {
-            change = rise * (end.alpha[k] - start.alpha[k]) + to_start * start.rate[k] + to_end * end.rate[k];
-            deviation[k] = alpha[k] - (start.alpha[k] + change);
+            way = to_rise * rise[k] + to_rate * start.rate[k] + to_change * change[k];
+            deviation[k] = alpha[k] - (start.alpha[k] + way);
         }
-        let sides = |place: &Place<T>, j: usize| {
-            let snapshot = &self.snapshots[(window.first + j) % MOST];
-            [
-                dot_in_order(&cubic, &place.along),
-                product(&snapshot.alpha, &deviation, self.rank),
-            ]
-        };
-        let [mut shares, response] = window.fit(t, sides, [change, deviation[0]]);
-        let rate = self.sum(&response, |snapshot| &snapshot.rate);
+        let sides = [
+            window.along.map(|along| dot3(&along, &cubic)),
+            window.alpha.each_ref().map(|alpha| product(alpha, &deviation, self.rank)),
+        ];
+        let [mut shares, response] = window.fit(t, sides, [way, deviation[0]]);
+        let mut rate = [T::ZERO; M];
+        let rate = part_mut(&mut rate, 0..self.rank);
+        for (share, difference) in response.iter().zip(&window.rate) {
+            add_scaled(rate, *share, difference);
+        }
         // |deviation + step share rate| <= |deviation|
-        let used = part(&rate, 0..self.rank);
-        let (closing, limit) = (-dot_in_order(used, &deviation), step * dot_in_order(used, used));
+        let (closing, limit) = (-dot_in_order(rate, &deviation), step * dot_in_order(rate, rate));
         let share = if closing <= T::ZERO {
             T::ZERO
         } else if closing + closing < limit {
@@ -310,154 +313,67 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         add_scaled(&mut shares, share, &response);
         shares
     }
-
-    /// The sum of the window's snapshots, or of a part of them, by their shares.
-    fn sum(&self, shares: &[T; MOST], of: impl Fn(&Snapshot<T, M>) -> &[T; M]) -> [T; M] {
-        let mut sum = [T::ZERO; M];
-        for (j, share) in shares.iter().enumerate().take(self.window.count) {
-            let snapshot = of(&self.snapshots[(self.window.first + j) % MOST]);
-            add_scaled(&mut sum, *share, part(snapshot, 0..self.rank));
-        }
-        sum
-    }
 }
 
-impl<T: Real> Window<T> {
-    /// The weighted least-norm first-order fit at `t`: the share that each snapshot has in the fitted value at a place, and
-    /// in what the fit adds for a deviation. `sides` gives the products of both with a snapshot, up to what is the same
-    /// for all snapshots; `shifts` are their translations.
+impl<T: Real, const M: usize> Window<T, M> {
+    /// The weighted least-norm first-order fit at `t`: the shares of the differences in the fitted value at a place, and
+    /// in what the fit adds for a deviation. `sides` gives the products of both with the differences; `shifts` are their
+    /// translations.
     ///
-    /// With the weights W on a diagonal, the products K of the centred and scaled differences, and their products k with
-    /// what is asked for, the shares are W u with (K W + ridge) u = k. This is the dual system of eq. (45); as it
-    /// stands, it needs no roots of weights.
-    fn fit(&self, t: T, sides: impl Fn(&Place<T>, usize) -> [T; 2], shifts: [T; 2]) -> [[T; MOST]; 2] {
-        let count = self.count;
-        let places = || part(&self.places, 0..count).iter();
-        let mut weights = [T::ZERO; MOST];
-        let mut sum = T::ZERO;
-        for (value, place) in weights.iter_mut().zip(places()) {
-            *value = weight((t - place.time).abs() / self.radius);
-            sum += *value;
-        }
-        let weights = weights.map(|weight| weight / sum);
-        let weights = part(&weights, 0..count);
+    /// With the products K of the scaled differences, their products k with what is asked for, and the weights W on a
+    /// diagonal, the shares s of all snapshots are those of (K + ridge / W) s + mu = k with a sum of 1 at a place and of 0
+    /// for a deviation: the dual system of eq. (45), the constant not damped. The first snapshot's own difference is 0,
+    /// so that its equation gives mu.
+    fn fit(&self, t: T, [place, deviation]: [[T; OTHERS]; 2], [way, aside]: [T; 2]) -> [[T; OTHERS]; 2] {
+        let weight = |time| weight((t - time).abs() / self.radius);
+        let (first, weights) = (weight(self.ends[0]), self.times.map(weight));
+        let sum = first + total(&weights);
+        let (first, weights) = (first / sum, weights.map(|weight| weight / sum));
 
-        // Products with the weights' mean, to centre all others.
-        let mut rows = [Row::ZERO; MOST];
-        let rows = part_mut(&mut rows, 0..count);
-        let mut mean = Row::ZERO;
-        let (mut spread, mut start) = (T::ZERO, T::ZERO);
-        for (j, ((row, place), weight)) in rows.iter_mut().zip(places()).zip(weights).enumerate() {
-            *row = Row {
-                mean: dot_in_order(part(&place.products, 0..count), weights),
-                shift: place.shift,
-                sides: sides(place, j),
-            };
-            mean.mean += *weight * row.mean;
-            mean.shift += *weight * row.shift;
-            add_scaled(&mut mean.sides, *weight, &row.sides);
-            spread += *weight * place.products.get(j).copied().unwrap_or(T::ZERO);
-            start += *weight * place.start;
-        }
-        let spread = (spread - mean.mean).max(T::ZERO);
-        let mut variance = T::ZERO;
-        for (row, weight) in rows.iter_mut().zip(weights) {
-            row.shift -= mean.shift;
-            variance += *weight * row.shift * row.shift;
-        }
-        let rest = T::from_f32(REST * REST) * (self.square + start + start + mean.mean);
+        let mean = |values: &[T; OTHERS]| dot3(values, &weights);
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.products;
+        let middle = mean(&self.products.each_ref().map(mean));
+        let spread = (mean(&[xx, yy, zz]) - middle).max(T::ZERO);
+        let shift = mean(&self.shifts);
+        let variance = (mean(&self.shifts.map(|shift| shift * shift)) - shift * shift).max(T::ZERO);
+        let start = mean(&self.starts);
+        let rest = T::from_f32(REST * REST) * (self.square + start + start + middle);
         let [scale, shift_scale] = [spread + rest, variance].map(reciprocal);
         let ridge = T::from_f32(RIDGE) * (scale * spread + shift_scale * variance);
 
-        let shifts = [shifts[0] - mean.shift, shifts[1]];
-        let mut matrix = [[T::ZERO; MOST]; MOST];
-        let matrix = part_mut(&mut matrix, 0..count);
-        let mut solution = [[T::ZERO; 2]; MOST];
-        let solution = part_mut(&mut solution, 0..count);
-        for (j, ((entries, sides), (row, place))) in matrix
-            .iter_mut()
-            .zip(solution.iter_mut())
-            .zip(rows.iter().zip(places()))
-            .enumerate()
-        {
-            // The place is seen from the start of the interval, the deviation is none of a place.
-            let centres = [mean.sides[0] + row.mean - mean.mean, mean.sides[1]];
-            for (((out, side), centre), shift) in sides.iter_mut().zip(row.sides).zip(centres).zip(shifts) {
-                *out = scale * (side - centre) + shift_scale * row.shift * shift;
-            }
-            let others = rows.iter().zip(place.products).zip(weights);
-            for (i, (out, ((other, product), weight))) in entries.iter_mut().zip(others).enumerate() {
-                let shape = product - row.mean - other.mean + mean.mean;
-                *out = (scale * shape + shift_scale * row.shift * other.shift) * *weight;
-                if i == j {
-                    *out += ridge;
-                }
-            }
-        }
-        solve(matrix, solution);
-
-        let mut shares = [[T::ZERO; MOST]; 2];
-        for (side, shares) in shares.iter_mut().enumerate() {
-            let mut sum = T::ZERO;
-            for ((share, solution), weight) in shares.iter_mut().zip(solution.iter()).zip(weights) {
-                *share = *weight * solution[side];
-                sum += *share;
-            }
-            // The fit at the mean is the mean; a deviation adds nothing to it.
-            let rest = if side == 0 { T::ONE - sum } else { -sum };
-            add_scaled(shares, rest, weights);
-        }
-        shares
+        let [x, y, z] = self.shifts.map(|shift| shift_scale * shift);
+        let [a, b, c] = self.shifts;
+        let damped = |product: T, weight: T| product + ridge / weight.max(T::from_f32(NONE));
+        let solve = solve([
+            [damped(scale * xx + x * a, weights[0]), scale * xy + x * b, scale * xz + x * c],
+            [T::ZERO, damped(scale * yy + y * b, weights[1]), scale * yz + y * c],
+            [T::ZERO, T::ZERO, damped(scale * zz + z * c, weights[2])],
+        ]);
+        let ones = solve([T::ONE; OTHERS]);
+        let mu = ridge / (first + ridge * total(&ones));
+        [(place, way, T::ONE), (deviation, aside, T::ZERO)].map(|(products, way, sum)| {
+            let [p, q, r] = products.map(|product| scale * product);
+            let mut shares = solve([p + x * way, q + y * way, r + z * way]);
+            let mu = mu * (total(&shares) - sum);
+            add_scaled(&mut shares, -mu, &ones);
+            shares
+        })
     }
 }
 
-/// What is known of a snapshot at an instant: its product with the mean, its translation from there, and the products with
-/// what is asked for.
-#[derive(Clone, Copy)]
-struct Row<T> {
-    mean: T,
-    shift: T,
-    sides: [T; 2],
-}
-
-impl<T: Real> Row<T> {
-    const ZERO: Self = Self {
-        mean: T::ZERO,
-        shift: T::ZERO,
-        sides: [T::ZERO; 2],
-    };
-}
-
-/// Solves a system for two right sides in their places, by elimination. Its rows and columns divided by the roots of the
-/// weights, it is symmetric and positive definite: no exchange is needed.
-fn solve<T: Real>(matrix: &mut [[T; MOST]], sides: &mut [[T; 2]]) {
-    for i in 0..matrix.len() {
-        let Some((_, [pivot, below @ ..])) = matrix.split_at_mut_checked(i) else {
-            return;
-        };
-        let Some((_, [side, sides_below @ ..])) = sides.split_at_mut_checked(i) else {
-            return;
-        };
-        let inverse = reciprocal(pivot.get(i).copied().unwrap_or(T::ZERO));
-        for (row, below) in below.iter_mut().zip(sides_below) {
-            let factor = -inverse * row.get(i).copied().unwrap_or(T::ZERO);
-            for (entry, pivot) in row.iter_mut().zip(pivot.iter()).skip(i) {
-                *entry += factor * *pivot;
-            }
-            add_scaled(below, factor, side);
-        }
-    }
-    for i in (0..matrix.len()).rev() {
-        let (Some(row), Some((_, [side, solved @ ..]))) = (matrix.get(i), sides.split_at_mut_checked(i)) else {
-            return;
-        };
-        for (entry, solved) in row.iter().skip(i + 1).zip(solved.iter()) {
-            add_scaled(side, -*entry, solved);
-        }
-        let inverse = reciprocal(row.get(i).copied().unwrap_or(T::ZERO));
-        for side in side {
-            *side *= inverse;
-        }
+/// How to solve a symmetric positive definite system, given by its upper half: L D L^T.
+fn solve<T: Real>([[a, b, c], [_, d, e], [_, _, f]]: [[T; OTHERS]; OTHERS]) -> impl Fn([T; OTHERS]) -> [T; OTHERS] {
+    let a = reciprocal(a);
+    let (l, m) = (a * b, a * c);
+    let e = e - l * c;
+    let d = reciprocal(d - l * b);
+    let n = d * e;
+    let f = reciprocal(f - m * c - n * e);
+    move |[x, y, z]| {
+        let y = y - l * x;
+        let z = f * (z - m * x - n * y);
+        let y = d * y - n * z;
+        [a * x - l * y - m * z, y, z]
     }
 }
 
@@ -466,14 +382,31 @@ fn reciprocal<T: Real>(x: T) -> T {
     if x > T::ZERO { T::ONE / x } else { T::ZERO }
 }
 
-fn difference<T: Real, const M: usize>(a: &[T; M], b: &[T; M]) -> [T; M] {
-    core::array::from_fn(|k| a[k] - b[k])
+fn dot3<T: Real>([a, b, c]: &[T; 3], [x, y, z]: &[T; 3]) -> T {
+    *a * *x + *b * *y + *c * *z
+}
+
+fn total<T: Real>([a, b, c]: &[T; 3]) -> T {
+    *a + *b + *c
+}
+
+/// out <- a - b.
+fn subtract<T: Real>(out: &mut [T], a: &[T], b: &[T]) {
+    for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+        *out = *a - *b;
+    }
 }
 
 /// Product of two states without the translation.
 #[inline(never)]
 fn product<T: Real, const M: usize>(a: &[T; M], b: &[T; M], rank: usize) -> T {
     dot_in_order(part(a, 1..rank), part(b, 1..rank))
+}
+
+/// Square of the distance between two states without the translation.
+fn apart<T: Real, const M: usize>(a: &[T; M], b: &[T; M], rank: usize) -> T {
+    let both = part(a, 1..rank).iter().zip(part(b, 1..rank));
+    both.fold(T::ZERO, |sum, (a, b)| sum + (*a - *b) * (*a - *b))
 }
 
 #[cfg(test)]

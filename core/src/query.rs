@@ -88,12 +88,12 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// Its stages: how far into the step each is taken, along the stage before it, and its weight.
-    pub(crate) const fn stages(self) -> &'static [(f64, f64)] {
+    /// Its stages: how far into the step each is taken, along the stage before it, and what its weight is 1 divided by.
+    pub(crate) const fn stages(self) -> &'static [(f32, f32)] {
         match self {
             Self::Euler => &[(0.0, 1.0)],
-            Self::Heun => &[(0.0, 0.5), (1.0, 0.5)],
-            Self::RungeKutta4 => &[(0.0, 1.0 / 6.0), (0.5, 1.0 / 3.0), (0.5, 1.0 / 3.0), (1.0, 1.0 / 6.0)],
+            Self::Heun => &[(0.0, 2.0), (1.0, 2.0)],
+            Self::RungeKutta4 => &[(0.0, 6.0), (0.5, 3.0), (0.5, 3.0), (1.0, 6.0)],
         }
     }
 }
