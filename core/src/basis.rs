@@ -4,24 +4,25 @@
 //! local modes are Phi W. The translation stays its own coordinate: the first local mode is the translation, the others
 //! are the leading left singular vectors of the shape's coefficients. The snapshots of one query fill few directions. So
 //! reflections turn them, the longest rest first, until what is left of all is negligible (a pivoted LQ factorisation, in
-//! place); a triangular factor gathers the few coordinates that remain; and rotations make its rows orthogonal. Nothing is
-//! squared on the way: the condition stays that of the snapshots.
+//! place); a triangular factor gathers the few coordinates that remain; and rotations make its rows orthogonal. It is an upper
+//! one: its rows become shorter as the coordinates do, and few rotations are left to do. Nothing is squared on the way: the
+//! condition stays that of the snapshots.
 
 use crate::Real;
 use crate::linalg::{LANES, add_scaled, dot, jacobi, part, part_mut};
-use crate::workspace::{Factor, PAPER_MODES};
+use crate::workspace::{Factor, PAPER_ROW, SNAPSHOTS};
 use core::ops::Range;
 
 /// A local basis: `rank` orthonormal rows of W^T over the global coefficients.
 #[derive(Clone, Debug)]
 pub(crate) struct Basis<T, const M: usize> {
     rank: usize,
-    rows: [[T; PAPER_MODES]; M],
+    rows: [[T; PAPER_ROW]; M],
 }
 
 /// What may be left of a snapshot, as a share of the longest: below the error of the method by far, and above the digits
 /// in which the model is stored.
-const NEGLIGIBLE: f32 = 3e-5;
+const NEGLIGIBLE: f32 = 1e-4;
 
 /// How far a basis is learned.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +32,8 @@ pub(crate) enum Learning<T> {
     /// The direction to find next. Rows from `done` to before `open` have more left than `floor`, the square of what is
     /// negligible.
     Direction { done: usize, open: usize, floor: T },
-    /// The row to add to the factor of the first `rank` rows next.
+    /// The row to add to the factor of the first `rank` columns next. The factor lies in as many rows behind those of the
+    /// reflections, which come last.
     Gathering { rank: usize, row: usize },
     /// The rotations of that factor.
     Rotations {
@@ -49,7 +51,7 @@ impl<T> Learning<T> {
 impl<T: Real, const M: usize> Basis<T, M> {
     pub(crate) const EMPTY: Self = Self {
         rank: 0,
-        rows: [[T::ZERO; PAPER_MODES]; M],
+        rows: [[T::ZERO; PAPER_ROW]; M],
     };
 
     /// A piece of the work of finding a field's basis from its snapshots at all stored instants: one snapshot, one direction,
@@ -67,17 +69,17 @@ impl<T: Real, const M: usize> Basis<T, M> {
     ) -> Option<()> {
         let columns = rank - 1;
         // More snapshots than there is room for go into a triangular factor at once.
-        let count = if instants > PAPER_MODES { columns } else { instants };
+        let count = if instants > SNAPSHOTS { columns } else { instants };
         *learning = match *learning {
             Learning::Snapshot(instant) => {
                 if instant == 0 {
-                    *factor = [[T::ZERO; PAPER_MODES]; PAPER_MODES];
+                    *factor = [[T::ZERO; PAPER_ROW]; SNAPSHOTS];
                 }
-                let mut coefficients = [T::ZERO; PAPER_MODES];
+                let mut coefficients = [T::ZERO; PAPER_ROW];
                 snapshot(instant, part_mut(&mut coefficients, 0..rank));
                 let shape = part_mut(&mut coefficients, 1..rank);
                 match factor.get_mut(instant) {
-                    Some(row) if instants <= PAPER_MODES => {
+                    Some(row) if instants <= SNAPSHOTS => {
                         row.iter_mut().zip(shape).for_each(|(row, shape)| *row = *shape);
                     }
                     _ => absorb(part_mut(factor, 0..columns), shape),
@@ -101,8 +103,8 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 } else {
                     floor
                 };
-                // The reflections go where the other snapshots were, so they may be half of the rows.
-                if done < open && done < columns && done < PAPER_MODES / 2 {
+                // The reflections stay in their rows, and the factor takes as many others.
+                if done < open && done < columns && done < SNAPSHOTS / 2 {
                     reflect(part_mut(factor, done..open), rest);
                     Learning::Direction {
                         done: done + 1,
@@ -114,39 +116,52 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 }
             }
             Learning::Gathering { rank, row } if row < count => {
-                if let Some((factor, [row, ..])) = factor.split_at_mut_checked(row) {
-                    absorb(part_mut(factor, 0..rank), part_mut(row, 0..rank));
+                if let Some((before, [row, ..])) = factor.split_at_mut_checked(row) {
+                    let (_, gathered) = before.split_at_mut_checked(rank)?;
+                    absorb(gathered, part_mut(row, 0..rank));
                 }
                 Learning::Gathering { rank, row: row + 1 }
             }
-            Learning::Gathering { rank, .. } => {
-                let (rows, reflections) = factor.split_at_mut_checked(rank)?;
-                for (k, (row, reflection)) in rows.iter_mut().zip(reflections).enumerate() {
-                    reflection.copy_from_slice(row);
-                    part_mut(row, k + 1..PAPER_MODES).fill(T::ZERO);
+            Learning::Gathering { rank, row } if row < count + rank => {
+                let (reflections, gathered) = factor.split_at_mut_checked(rank)?;
+                let mut coefficients = [T::ZERO; PAPER_ROW];
+                let reflection = row - count;
+                if let Some(row) = reflections.get(reflection) {
+                    let before = row.iter().take(reflection + 1);
+                    coefficients
+                        .iter_mut()
+                        .zip(before)
+                        .for_each(|(out, entry)| *out = *entry);
                 }
-                let rotations = jacobi::Rotations::new(rows, whole(0, rank), T::from_f32(NEGLIGIBLE / 4.0));
+                absorb(part_mut(gathered, 0..rank), part_mut(&mut coefficients, 0..rank));
+                Learning::Gathering { rank, row: row + 1 }
+            }
+            Learning::Gathering { rank, .. } => {
+                let (_, gathered) = factor.split_at_mut_checked(rank)?;
+                let rotations =
+                    jacobi::Rotations::new(part(gathered, 0..rank), whole(0, rank), T::from_f32(NEGLIGIBLE / 4.0));
                 Learning::Rotations { rank, rotations }
             }
             Learning::Rotations {
                 rank,
                 ref mut rotations,
             } => {
-                if rotations.advance(part_mut(factor, 0..rank), whole(0, rank)) {
+                if rotations.advance(part_mut(factor, rank..2 * rank), whole(0, rank)) {
                     return Some(());
                 }
-                self.rows = [[T::ZERO; PAPER_MODES]; M];
+                self.rows = [[T::ZERO; PAPER_ROW]; M];
                 self.rows[0][0] = T::ONE;
                 self.rank = 1;
                 Learning::Mode { rank, floor: T::ZERO }
             }
             Learning::Mode { rank, floor } => {
-                let (rows, reflections) = factor.split_at_mut_checked(rank)?;
+                let (reflections, gathered) = factor.split_at_mut_checked(rank)?;
+                let rows = part_mut(gathered, 0..rank);
                 let mode = self.rows.get_mut(self.rank).filter(|_| self.rank < wanted)?;
-                let shape = part_mut(mode, 1..PAPER_MODES);
+                let shape = part_mut(mode, 1..PAPER_ROW);
                 let length = take_longest(rows, part_mut(shape, 0..whole(0, rank))).filter(|length| *length > floor)?;
-                for (k, reflection) in reflections.iter().enumerate().take(rank).rev() {
-                    let end = whole(k + 1, columns).min(PAPER_MODES - 1);
+                for (k, reflection) in reflections.iter().enumerate().rev() {
+                    let end = whole(k + 1, columns).min(PAPER_ROW - 1);
                     let rest = part(reflection, k + 1..end);
                     mirror(rest, factor_of(rest), part_mut(shape, k..end));
                 }
@@ -159,12 +174,12 @@ impl<T: Real, const M: usize> Basis<T, M> {
     }
 
     /// The rows of W^T.
-    pub(crate) fn rows(&self) -> &[[T; PAPER_MODES]] {
+    pub(crate) fn rows(&self) -> &[[T; PAPER_ROW]] {
         part(&self.rows, 0..self.rank)
     }
 
     /// out <- W^T x: local coordinates of `rank` global coefficients, which zeros follow.
-    pub(crate) fn project(&self, x: &[T; PAPER_MODES], rank: usize, out: &mut [T; M]) {
+    pub(crate) fn project(&self, x: &[T; PAPER_ROW], rank: usize, out: &mut [T; M]) {
         out.fill(T::ZERO);
         let columns = 0..whole(0, rank);
         for (out, row) in out.iter_mut().zip(self.rows()) {
@@ -184,13 +199,13 @@ impl<T: Real, const M: usize> Basis<T, M> {
 /// The end of a range of columns that fills the lanes of a product: zeros follow the columns that count, and a rest that
 /// does not fill them costs more than they do.
 fn whole(start: usize, end: usize) -> usize {
-    (start + (end - start).next_multiple_of(LANES)).min(PAPER_MODES)
+    (start + (end - start).next_multiple_of(LANES)).min(PAPER_ROW)
 }
 
 /// Sorts rows by the length of what these columns have, as far as it matters: the longest goes first, and those with a
 /// square of at most `floor`, whose rest becomes 0, go last. Returns how many are before these, and the greatest square.
 #[inline(never)]
-fn sort<T: Real>(rows: &mut [[T; PAPER_MODES]], columns: Range<usize>, floor: T) -> (usize, T) {
+fn sort<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>, floor: T) -> (usize, T) {
     let (mut open, mut longest, mut place) = (rows.len(), T::ZERO, 0);
     let mut i = 0;
     while i < open {
@@ -223,7 +238,7 @@ fn swap<R>(rows: &mut [R], i: usize, j: usize) {
 /// Reflects rows so that the first has a single entry in these columns, and leaves the direction of the reflection, whose
 /// first component is 1, in its place.
 #[inline(never)]
-fn reflect<T: Real>(rows: &mut [[T; PAPER_MODES]], columns: Range<usize>) {
+fn reflect<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>) {
     let Some((first, others)) = rows.split_first_mut() else {
         return;
     };
@@ -258,7 +273,7 @@ fn mirror<T: Real>(rest: &[T], factor: T, x: &mut [T]) {
 /// out <- the direction of the longest row, which is taken out of all rows: the rotations leave them orthogonal but for
 /// what is negligible. Returns the length.
 #[inline(never)]
-fn take_longest<T: Real>(rows: &mut [[T; PAPER_MODES]], out: &mut [T]) -> Option<T> {
+fn take_longest<T: Real>(rows: &mut [[T; PAPER_ROW]], out: &mut [T]) -> Option<T> {
     let mut longest = None;
     let mut greatest = T::ZERO;
     for row in rows.iter() {
@@ -280,11 +295,13 @@ fn take_longest<T: Real>(rows: &mut [[T; PAPER_MODES]], out: &mut [T]) -> Option
     Some(length)
 }
 
-/// Rotates a snapshot into the lower triangular factor of those before it (Givens rotations, the last column first).
-fn absorb<T: Real>(factor: &mut [[T; PAPER_MODES]], snapshot: &mut [T]) {
-    for (k, row) in factor.iter_mut().enumerate().rev() {
-        let (row, snapshot) = (part_mut(row, 0..k + 1), part_mut(snapshot, 0..k + 1));
-        let (Some(&a), Some(&b)) = (row.last(), snapshot.last()) else {
+/// Rotates a snapshot into the upper triangular factor of those before it (Givens rotations); what is left of it continues
+/// the factor, if that has fewer rows.
+fn absorb<T: Real>(factor: &mut [[T; PAPER_ROW]], snapshot: &mut [T]) {
+    let end = snapshot.len();
+    for (k, row) in factor.iter_mut().enumerate() {
+        let (row, snapshot) = (part_mut(row, k..end), part_mut(snapshot, k..end));
+        let (Some(&a), Some(&b)) = (row.first(), snapshot.first()) else {
             return;
         };
         if b == T::ZERO {
@@ -292,7 +309,7 @@ fn absorb<T: Real>(factor: &mut [[T; PAPER_MODES]], snapshot: &mut [T]) {
         }
         let largest = a.abs().max(b.abs());
         let (p, q) = (a / largest, b / largest);
-        let scale = T::ONE / (p * p + q * q).sqrt();
+        let scale = T::ONE / (p * p + q * q).quick_sqrt();
         let (cosine, sine) = (p * scale, q * scale);
         for (r, x) in row.iter_mut().zip(snapshot) {
             (*r, *x) = (cosine * *r + sine * *x, cosine * *x - sine * *r);
@@ -309,7 +326,7 @@ mod tests {
         let snapshots: [[f64; 4]; 9] = core::array::from_fn(|i| {
             core::array::from_fn(|k| ((i * i + 3 * k * i + 1) % 11) as f64 - 5.0 + 0.1 * k as f64)
         });
-        let mut factor = [[0.0; PAPER_MODES]; 4];
+        let mut factor = [[0.0; PAPER_ROW]; 4];
         for mut snapshot in snapshots {
             absorb(&mut factor, &mut snapshot);
         }
@@ -318,7 +335,7 @@ mod tests {
                 let direct: f64 = snapshots.iter().map(|x| x[i] * x[j]).sum();
                 let factored: f64 = factor.iter().map(|row| row[i] * row[j]).sum();
                 assert!((direct - factored).abs() < 1e-12 * direct.abs().max(1.0));
-                assert!(j <= i || factor[i][j] == 0.0);
+                assert!(i <= j || factor[i][j].abs() < 1e-12);
             }
         }
     }
@@ -333,7 +350,7 @@ mod tests {
     }
 
     fn learned(instants: usize) -> Basis<f32, 10> {
-        let (mut basis, mut factor) = (Basis::EMPTY, [[0.0; PAPER_MODES]; PAPER_MODES]);
+        let (mut basis, mut factor) = (Basis::EMPTY, [[0.0; PAPER_ROW]; SNAPSHOTS]);
         let mut learning = Learning::START;
         while basis
             .learn(&mut learning, 40, motion, instants, 10, &mut factor)
@@ -343,10 +360,10 @@ mod tests {
     }
 
     /// The square of what a basis leaves of the motion.
-    fn left(basis: &[[f32; PAPER_MODES]], instants: usize) -> f64 {
+    fn left(basis: &[[f32; PAPER_ROW]], instants: usize) -> f64 {
         let mut left = 0.0;
         for instant in 0..instants {
-            let mut x = [0.0; PAPER_MODES];
+            let mut x = [0.0; PAPER_ROW];
             motion(instant, &mut x[..40]);
             let mut rest = x.map(f64::from);
             for row in basis {

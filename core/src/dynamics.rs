@@ -9,7 +9,7 @@ use crate::linalg::{add_scaled, dot, part_mut};
 use crate::manifold::{Manifold, Snapshot, Times};
 use crate::model::wire::Paper;
 use crate::motion::{Controls, Motion, Quantity};
-use crate::workspace::{Factor, PAPER_MODES};
+use crate::workspace::{Factor, PAPER_ROW};
 use crate::{Real, Scheme};
 
 /// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1, and errs little far below.
@@ -34,6 +34,7 @@ pub(crate) struct Step<T> {
 
 /// The interpolated motion that is learned from, with the settings.
 pub(crate) struct Source<'m, 'a, 's, T, const K: usize> {
+    /// As many coefficients as the method works in, one of them the translation's.
     pub(crate) motion: Motion<'a, 's, T, K>,
     pub(crate) controls: &'m mut Controls<T, K>,
     /// The stored instants.
@@ -42,11 +43,6 @@ pub(crate) struct Source<'m, 'a, 's, T, const K: usize> {
 }
 
 impl<T: Real, const K: usize> Source<'_, '_, '_, T, K> {
-    /// The leading coefficients that the method works in: as many, and one of them the translation's.
-    fn rank(&self) -> usize {
-        self.motion.rank.min(PAPER_MODES)
-    }
-
     /// out <- coefficients at a stored instant, as many as it holds.
     fn at_instant(&mut self, instant: usize, quantity: Quantity, out: &mut [T]) {
         let t = self.times.get(instant);
@@ -133,7 +129,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         t: T,
         scratch: &mut Factor<T>,
     ) -> bool {
-        let (instants, rank) = (source.times.count(), source.rank());
+        let (instants, rank) = (source.times.count(), source.motion.rank);
         match &mut self.stage {
             Stage::Basis(quantity, learning) => {
                 let quantity = *quantity;
@@ -246,8 +242,8 @@ fn snapshot<T: Real, const K: usize, const M: usize>(
     instant: usize,
     out: &mut Snapshot<T, M>,
 ) {
-    let mut global = [T::ZERO; PAPER_MODES];
-    let rank = source.rank();
+    let mut global = [T::ZERO; PAPER_ROW];
+    let rank = source.motion.rank;
     for (quantity, basis, out) in [
         (Quantity::Displacement, displacement, &mut out.alpha),
         (Quantity::Velocity, velocity, &mut out.xi),

@@ -13,7 +13,7 @@ use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
-use crate::workspace::{Coefficients, Factor, Prepared, Workspace};
+use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace};
 use crate::{Domain, Frame, Method, Nodes, Playback, Query, Real, Scene};
 
 /// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
@@ -492,7 +492,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             ..
         } = &mut *self.workspace;
         let source = Source {
-            motion: Motion::new(&self.cluster.field, contracted),
+            motion: Motion::new(&self.cluster.field, contracted).leading(PAPER_MODES),
             controls,
             times: Times(self.model.times()),
             settings: &self.model.contents().paper,

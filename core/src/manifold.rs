@@ -2,8 +2,8 @@
 //!
 //! A first-order fit on the few snapshots near t has fewer snapshots than unknowns, so the normal equations of eq. (45)
 //! are singular. The least-norm solution is taken instead, from the dual system of the snapshots, with the regressors
-//! centred and scaled by the window's weights: in raw monomials the constant competes with the translation and the
-//! solution drifts. The translation has a scale of its own; the shape's coordinates share one, because they are
+//! scaled by the window's weights and a constant that costs nothing: in raw monomials it competes with the translation and
+//! the solution drifts. The translation has a scale of its own; the shape's coordinates share one, because they are
 //! orthonormal: scaled one by one, the smallest modes, which hardly move, would steer the others and the state blows
 //! up. Where the shape rests, its rest is not amplified either: a state that is a little off stays where it is.
 
@@ -12,7 +12,7 @@ use crate::interpolate::weight;
 use crate::linalg::{add_scaled, dot_in_order, part, part_mut};
 use crate::model::MatrixView;
 
-/// Snapshots of a window: two on each side of an instant. The paper's R, twice their interval, holds no more.
+/// Snapshots of a window: two on each side of an instant. The paper's R, twice their interval, holds no more of equal ones.
 const NEAR: usize = 4;
 /// Those of them that are seen from the first, at the start of the interval: at its end, after it, and before it.
 const OTHERS: usize = NEAR - 1;
@@ -153,10 +153,16 @@ impl<T: Real, const M: usize> Window<T, M> {
         self.shifts = self.alpha.each_ref().map(|alpha| alpha[0]);
         self.square = product(&start.alpha, &start.alpha);
         self.starts = self.alpha.each_ref().map(|alpha| product(alpha, &start.alpha));
-        self.products = self.alpha.each_ref().map(|a| self.alpha.each_ref().map(|b| product(a, b)));
+        self.products = self
+            .alpha
+            .each_ref()
+            .map(|a| self.alpha.each_ref().map(|b| product(a, b)));
         let [rise, ..] = &self.alpha;
         let [change, ..] = &self.rate;
-        self.along = self.alpha.each_ref().map(|alpha| [rise, &start.rate, change].map(|other| product(alpha, other)));
+        self.along = self
+            .alpha
+            .each_ref()
+            .map(|alpha| [rise, &start.rate, change].map(|other| product(alpha, other)));
         let mut stiffness = T::ZERO;
         for (i, a) in snapshots.iter().enumerate() {
             for b in snapshots.iter().skip(i + 1) {
@@ -293,7 +299,10 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         }
         let sides = [
             window.along.map(|along| dot3(&along, &cubic)),
-            window.alpha.each_ref().map(|alpha| product(alpha, &deviation, self.rank)),
+            window
+                .alpha
+                .each_ref()
+                .map(|alpha| product(alpha, &deviation, self.rank)),
         ];
         let [mut shares, response] = window.fit(t, sides, [way, deviation[0]]);
         let mut rate = [T::ZERO; M];
@@ -345,7 +354,11 @@ impl<T: Real, const M: usize> Window<T, M> {
         let [a, b, c] = self.shifts;
         let damped = |product: T, weight: T| product + ridge / weight.max(T::from_f32(NONE));
         let solve = solve([
-            [damped(scale * xx + x * a, weights[0]), scale * xy + x * b, scale * xz + x * c],
+            [
+                damped(scale * xx + x * a, weights[0]),
+                scale * xy + x * b,
+                scale * xz + x * c,
+            ],
             [T::ZERO, damped(scale * yy + y * b, weights[1]), scale * yz + y * c],
             [T::ZERO, T::ZERO, damped(scale * zz + z * c, weights[2])],
         ]);
@@ -453,6 +466,35 @@ mod tests {
             let found = manifold.velocity(1.5, &alpha[i]);
             for k in 0..6 {
                 assert!((found[k] - xi[i][k]).abs() < 1e-2, "{} {}", found[k], xi[i][k]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_solution_of_a_system_solves_it() {
+        let matrix: [[f64; 3]; 3] = [[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 5.0]];
+        let right = [1.0, -2.0, 3.0];
+        let x = solve(matrix)(right);
+        for (row, right) in matrix.iter().zip(right) {
+            assert!((dot3(row, &x) - right).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn two_instants_are_enough() {
+        let bytes: [[u8; 4]; 2] = [0.0_f32, 1.0].map(f32::to_le_bytes);
+        let times = Times(MatrixView::new(&Matrix::f32(2, 1, bytes.as_flattened())));
+        let snapshot = |instant: usize| Snapshot {
+            alpha: [100.0 + instant as f64, 0.3 * instant as f64, 1.0],
+            xi: [1.0, 0.5 - instant as f64, 0.2],
+            rate: [1.0, 0.3, 0.0],
+        };
+        let mut manifold = Manifold::EMPTY;
+        for (t, instant) in [(0.0, 0), (1.0, 1)] {
+            manifold.enter(&times, 2.0, t, |instant, out| *out = snapshot(instant));
+            let found = manifold.velocity(t, &snapshot(instant).alpha);
+            for (found, exact) in found.iter().zip(snapshot(instant).xi) {
+                assert!((found - exact).abs() < 1e-3, "{found} {exact}");
             }
         }
     }

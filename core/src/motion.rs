@@ -4,7 +4,7 @@
 //! they are kept, so that an instant beside it costs four multiplications a coefficient.
 
 use crate::Real;
-use crate::linalg::{LANES, dot, part};
+use crate::linalg::{LANES, dot, part, part_mut};
 use crate::model::wire::Field;
 use crate::model::{Indices, MatrixView};
 use crate::spline::{ORDER, Splines};
@@ -38,7 +38,7 @@ pub(crate) enum Quantity {
 /// The interpolated motion, which both methods work on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion<'a, 's, T, const K: usize> {
-    /// K: the translation and one coefficient a mode.
+    /// The leading coefficients that are asked for, at most K: the translation and one a mode.
     pub(crate) rank: usize,
     knots: MatrixView<'a>,
     slices: Indices<'a>,
@@ -80,6 +80,14 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         }
     }
 
+    /// The same motion, of which no more leading coefficients are asked for.
+    pub(crate) fn leading(self, count: usize) -> Self {
+        Self {
+            rank: self.rank.min(count),
+            ..self
+        }
+    }
+
     /// out <- the leading coefficients at `t` of a quantity, as many as `out` holds.
     pub(crate) fn coefficients(&self, controls: &mut Controls<T, K>, t: T, quantity: Quantity, out: &mut [T]) {
         let (splines, [a, b, c, d]) = self.enter(controls, t);
@@ -111,7 +119,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             // The only one of four successive numbers that lies here.
             let wanted = splines.first + (place + ORDER - turn) % ORDER;
             if *number != Some(wanted) {
-                self.control(wanted, row);
+                self.control(wanted, part_mut(row, 0..self.rank));
                 *number = Some(wanted);
             }
         }
@@ -125,8 +133,8 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         (splines, ordered)
     }
 
-    /// out <- control number `b`, the translation's first; zeros beyond the last control.
-    pub(crate) fn control(&self, b: usize, out: &mut [T; K]) {
+    /// out <- the leading entries of control number `b`, the translation's first; zeros beyond the last control.
+    pub(crate) fn control(&self, b: usize, out: &mut [T]) {
         out.fill(T::ZERO);
         if let Some((translation, shape)) = out.split_first_mut() {
             *translation = self.axial_control(b);

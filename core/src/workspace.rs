@@ -2,6 +2,7 @@
 
 use crate::dynamics::Dynamics;
 use crate::interpolate::Weights;
+use crate::linalg::LANES;
 use crate::motion::{Contracted, Controls};
 use crate::{Domain, Query, Real};
 
@@ -9,7 +10,7 @@ use crate::{Domain, Query, Real};
 /// that nothing is computed twice as long as the query stays.
 ///
 /// Capacities: `K` modes (K, translation included, and K_c), `M` local modes (m_u, m_v), `N` samples that take part in a
-/// query, at most 56.
+/// query, at most 48.
 #[derive(Clone, Debug)]
 pub struct Workspace<T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
     pub(crate) prepared: Option<Prepared<T>>,
@@ -23,11 +24,16 @@ pub struct Workspace<T, const K: usize = 97, const M: usize = 16, const N: usize
     pub(crate) dynamics: Dynamics<T, M>,
 }
 
-/// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error.
-pub(crate) const PAPER_MODES: usize = 64;
+/// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error,
+/// and would take part in the few local modes.
+pub(crate) const PAPER_MODES: usize = 41;
+/// Room for them, and for zeros that fill the lanes of a product from any of them on.
+pub(crate) const PAPER_ROW: usize = PAPER_MODES + LANES - 1;
+/// Snapshots that there is room for.
+pub(crate) const SNAPSHOTS: usize = 64;
 
 /// The factor of the snapshots.
-pub(crate) type Factor<T> = [[T; PAPER_MODES]; PAPER_MODES];
+pub(crate) type Factor<T> = [[T; PAPER_ROW]; SNAPSHOTS];
 
 /// The query that the workspace answers, of the model with this digest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,13 +65,13 @@ impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M,
     pub const fn new() -> Self {
         const {
             assert!(
-                Weights::<T, N>::SCRATCH <= PAPER_MODES * PAPER_MODES,
+                Weights::<T, N>::SCRATCH <= PAPER_ROW * SNAPSHOTS,
                 "the interpolation must fit into the scratch"
             )
         };
         Self {
             prepared: None,
-            scratch: [[T::ZERO; PAPER_MODES]; PAPER_MODES],
+            scratch: [[T::ZERO; PAPER_ROW]; SNAPSHOTS],
             weights: Weights::EMPTY,
             contracted: Contracted::EMPTY,
             controls: Controls::EMPTY,

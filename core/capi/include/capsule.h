@@ -33,7 +33,7 @@
 #define CAPSULE_MOST_NEIGHBOURS 32
 
 // Words of eight bytes in a workspace.
-#define CAPSULE_WORKSPACE_WORDS 4000
+#define CAPSULE_WORKSPACE_WORDS 3100
 
 // Bytes of a workspace.
 #define CAPSULE_WORKSPACE_SIZE (CAPSULE_WORKSPACE_WORDS * 8)

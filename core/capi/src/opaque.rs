@@ -14,7 +14,7 @@ pub const MOST_LOCAL_MODES: usize = 16;
 pub const MOST_NEIGHBOURS: usize = 32;
 
 /// Words of eight bytes in a workspace.
-pub const WORKSPACE_WORDS: usize = 4000;
+pub const WORKSPACE_WORDS: usize = 3100;
 /// Bytes of a workspace.
 pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
 /// Alignment of a workspace.
