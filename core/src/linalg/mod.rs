@@ -3,8 +3,10 @@
 pub(crate) mod cholesky;
 pub(crate) mod jacobi;
 mod qr;
+mod vectors;
 
 pub(crate) use qr::{MOST_COLUMNS, Qr, symmetric_times};
+pub(crate) use vectors::in_vectors;
 
 use crate::Real;
 use core::ops::Range;

@@ -2,7 +2,7 @@
 
 use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{LANES, add_by, add_panel, part};
+use crate::linalg::{LANES, add_by, add_panel, in_vectors, part};
 
 /// A stored matrix; the bytes need not be aligned.
 #[derive(Clone, Copy, Debug)]
@@ -222,6 +222,14 @@ impl<'a> MatrixView<'a> {
     /// the vectors' first entries, then their second ones ...
     #[inline(never)]
     pub(crate) fn panel<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]]) -> [[T; LANES]; B] {
+        in_vectors(
+            #[inline(always)]
+            || self.products(panel, x),
+        )
+    }
+
+    #[inline(always)]
+    fn products<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]]) -> [[T; LANES]; B] {
         let mut sums = [[T::ZERO; LANES]; B];
         if let Entries::Panels(integers) = self.entries {
             let (shorts, small) = integers.panel(panel, self.columns);
