@@ -88,6 +88,7 @@ impl<T: Real> Around<'_, '_, T> {
 
     /// The place of a sample less the query's, and the square of its length; none if that is no less than `limit`, or if
     /// the border lies between.
+    #[inline(always)]
     pub(super) fn offset(&mut self, sample: [T; MAX_PARAMETERS], limit: T) -> Option<(T, [T; MAX_PARAMETERS])> {
         let [first, second, ..] = sample;
         let mut offset = times(self.scales, minus(sample, self.query));
