@@ -51,8 +51,8 @@ pub fn run(options: &Options) -> Result<()> {
         return print::json(&Report { limits, tasks: costs });
     }
     println!(
-        "one core does at most {:.0} operations a nanosecond ({:.0} with the instructions that the core is compiled for) and \
-         reads {:.0} bytes of the model",
+        "one core does at most {:.0} operations a nanosecond ({:.0} with the instructions of any processor of \
+         its kind, by which all is done but products with panels) and reads {:.0} bytes of the model",
         limits.operations_per_ns, limits.portable_operations_per_ns, limits.bytes_per_ns
     );
     let rows: Vec<Vec<String>> = costs

@@ -15,8 +15,8 @@ pub fn scenes() -> Result<()> {
     let found: Value = serde_json::from_str(&output(&mut command(&format!("{program} study scenes --json")))?)?;
     let limit = |name: &str| found["limits"][name].as_f64().unwrap_or(f64::NAN);
     println!(
-        "One core does at most {:.0} operations a nanosecond ({:.0} with the instructions that the core is compiled for) and \
-         reads {:.0} bytes of the model.\n",
+        "One core does at most {:.0} operations a nanosecond ({:.0} with the instructions of any processor of \
+         its kind, by which all is done but products with panels) and reads {:.0} bytes of the model.\n",
         limit("operations_per_ns"),
         limit("portable_operations_per_ns"),
         limit("bytes_per_ns")
