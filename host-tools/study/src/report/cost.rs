@@ -288,7 +288,8 @@ pub(super) fn scenes(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
         &format!(
             "Direct evaluation in single precision, medians over {} random questions, on one core of this machine, which does at most \
              {:.0} operations a nanosecond ({:.0} with the instructions of any processor of its kind, by which all is done but \
-             products with panels) and reads {:.0} bytes of the model. Tasks called scene ask of prepared parameters; the bytes are whole blocks of 256 of the model on which the answer depends.",
+             products with panels) and reads {:.0} bytes of the model. Tasks called scene ask of prepared parameters; \
+             the bytes are whole blocks of 256 of the model on which the answer depends.",
             questions.len(),
             limits.operations_per_ns,
             limits.portable_operations_per_ns,
