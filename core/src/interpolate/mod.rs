@@ -529,6 +529,30 @@ mod tests {
     }
 
     #[test]
+    fn the_weights_follow_the_query_without_a_jump() {
+        // Along lines through the plane, on which samples come and go.
+        for [from, to] in [[[0.012, 0.76], [0.17, 1.17]], [[0.19, 0.78], [0.02, 1.19]]] {
+            const STEPS: usize = 4000;
+            let mut before: Option<[f64; 200]> = None;
+            let mut greatest = 0.0_f64;
+            for step in 0..=STEPS {
+                let share = step as f64 / STEPS as f64;
+                let query = [0, 1].map(|d| from[d] + share * (to[d] - from[d]));
+                let mut all = [0.0; 200];
+                for (sample, weight) in weights::<f64>(true, 10, query, None).iter() {
+                    all[sample] = weight;
+                }
+                if let Some(before) = before.replace(all) {
+                    let change: f64 = before.iter().zip(&all).map(|(a, b)| (a - b).abs()).sum();
+                    greatest = greatest.max(change);
+                }
+            }
+            // 1.1 if all samples counted alike.
+            assert!(greatest < 0.15, "{greatest}");
+        }
+    }
+
+    #[test]
     fn the_kernel_agrees_with_the_full_saddle_system() {
         // The same weights from [Phi P; P^T 0] [L; mu] = [phi; p] by Gaussian elimination with pivoting.
         let query = [0.105, 0.925];
@@ -542,9 +566,11 @@ mod tests {
         let mut system = [[0.0; SIZE + 1]; SIZE];
         for i in 0..n {
             for j in 0..n {
-                let scatter = if i == j { f64::from(3e-5_f32) } else { 0.0 };
-                system[i][j] = covariance(2, square(minus(offsets[i], offsets[j]))) + scatter;
+                system[i][j] = covariance(2, square(minus(offsets[i], offsets[j])));
             }
+            // Scatter, and what grows from 0.6 to 1 of the greatest squared distance.
+            let far = (square(offsets[i]) - f64::from(0.6_f32)).max(0.0) / f64::from(1.0 - 0.6_f32);
+            system[i][i] += f64::from(3e-5_f32) + 3.0 * far.powi(3);
             for k in 0..MONOMIALS {
                 (system[i][n + k], system[n + k][i]) = (columns[k][i], columns[k][i]);
             }
