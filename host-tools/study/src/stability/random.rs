@@ -12,7 +12,7 @@ const APART: f64 = 1e-4;
 /// The greatest distance of their shapes and places, as a share of a: the continuity bound, by method. Each answer
 /// takes its nearest samples; where one is exchanged for another, the paper's method jumps by what the interpolation errs,
 /// the kernel by the little weight that it gives to the farthest.
-const BOUND: [(Method, f64); 2] = [(Method::Direct, 0.01), (Method::Paper, 0.06)];
+const BOUND: [(Method, f64); 2] = [(Method::Direct, 0.01), (Method::Paper, 0.03)];
 
 /// A million queries by direct evaluation, and as many by the paper's method as time allows; then anything at all.
 pub(super) fn checks(model: &Model, quick: bool) -> Result<Vec<Check>, StudyError> {
