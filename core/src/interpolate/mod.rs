@@ -529,6 +529,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "eight thousand queries")]
     fn the_weights_follow_the_query_without_a_jump() {
         // Along lines through the plane, on which samples come and go.
         for [from, to] in [[[0.012, 0.76], [0.17, 1.17]], [[0.19, 0.78], [0.02, 1.19]]] {
