@@ -309,17 +309,18 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let shape = shape(self.model, self.cluster, &self.query, displacement, T::ZERO);
         // What is learned in the scratch is learned when there is a displacement.
         let (room, _) = scratch.as_flattened_mut().as_chunks_mut::<3>();
-        match room.get_mut(..shape.mesh.sector_nodes().len()) {
-            Some(sector) => {
-                shape.fill_sector(sector)?;
-                volume(&shape.mesh, |node| {
-                    let origin = shape.mesh.origin(node);
-                    let vector = origin.and_then(|(index, operation)| Some(apply(operation, *sector.get(index)?)));
-                    vector.ok_or(EvaluateError::NotFinite)
-                })
-            }
-            None => volume(&shape.mesh, |node| shape.node(node)),
+        let mut sector = room.get_mut(..shape.mesh.sector_nodes().len());
+        if let Some(sector) = &mut sector {
+            shape.fill_sector(sector)?;
         }
+        volume(&shape.mesh, |node| {
+            let Some(sector) = &sector else {
+                return shape.node(node);
+            };
+            let origin = shape.mesh.origin(node);
+            let vector = origin.and_then(|(index, operation)| Some(apply(operation, *sector.get(index)?)));
+            vector.ok_or(EvaluateError::NotFinite)
+        })
     }
 
     /// Positions of the scene's nodes, in l, into the first entries of `out`. Returns how many there are.

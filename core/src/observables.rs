@@ -44,12 +44,14 @@ impl<T: Real> Extremes<T> {
         };
         let midplane = Outline::new(midplane, Plane::Mirror, snapshot)?;
         let diagonal = Outline::new(diagonal, Plane::Diagonal, snapshot)?;
+        let [front, back, half_width] = midplane.extremes();
+        let [other_front, other_back, half_diagonal] = diagonal.extremes();
         Ok(Self {
-            front: midplane.front.value().max(diagonal.front.value()),
-            rear: -midplane.rear.value().max(diagonal.rear.value()),
+            front: front.max(other_front),
+            rear: -back.max(other_back),
             rear_pole: midplane.rear_pole,
-            half_width: midplane.width.value(),
-            half_diagonal: diagonal.width.value(),
+            half_width,
+            half_diagonal,
         })
     }
 
@@ -59,24 +61,27 @@ impl<T: Real> Extremes<T> {
         let mesh = &snapshot.mesh;
         let half = T::from_f32(0.5);
         // Along x, y, z and (y + z) / sqrt 2.
-        let mut extents: Option<[[T; 2]; 4]> = None;
-        for node in 0..mesh.nodes() {
+        let values = |node| {
             let [x, y, z] = snapshot.node(node)?;
-            let values = [x, y, z, (y + z) * half.sqrt()];
-            let known = extents.get_or_insert(values.map(|value| [value; 2]));
-            for ([least, greatest], value) in known.iter_mut().zip(values) {
+            Ok([x, y, z, (y + z) * half.sqrt()])
+        };
+        let mut extents = values(0)?.map(|value| [value; 2]);
+        for node in 1..mesh.nodes() {
+            for ([least, greatest], value) in extents.iter_mut().zip(values(node)?) {
                 (*least, *greatest) = (least.min(value), greatest.max(value));
             }
         }
-        let [[rear, front], y, z, diagonal] = extents.unwrap_or([[T::ZERO; 2]; 4]);
+        let [[rear, front], y, z, diagonal] = extents;
         let middle = [y, z].map(|[least, greatest]| half * (least + greatest));
         let mut rear_pole = None;
         for element in mesh.elements() {
             for part in mesh.flat_parts() {
-                // Corners are below 6: no panic is linked.
-                let [a, b, c] =
-                    part.map(|corner| snapshot.node(element.get(corner).copied().unwrap_or_default().into()));
-                if let Some(x) = axial_crossing([a?, b?, c?], middle) {
+                let mut corners = [[T::ZERO; 3]; 3];
+                for (corner, place) in corners.iter_mut().zip(part) {
+                    // Places are below 6: no panic is linked.
+                    *corner = snapshot.node(element.get(*place).copied().unwrap_or_default().into())?;
+                }
+                if let Some(x) = axial_crossing(corners, middle) {
                     rear_pole = Some(rear_pole.map_or(x, |known: T| known.min(x)));
                 }
             }
@@ -108,35 +113,38 @@ fn axial_crossing<T: Real>(corners: [[T; 3]; 3], [y, z]: [T; 2]) -> Option<T> {
     (inside && x.is_finite()).then_some(x)
 }
 
+/// What is greatest along an outline: x, -x and r; and the x of its end.
 struct Outline<T> {
-    front: Greatest<T>,
-    rear: Greatest<T>,
-    width: Greatest<T>,
+    greatest: [Greatest<T>; 3],
     rear_pole: T,
 }
 
 impl<T: Real> Outline<T> {
     fn new(nodes: Indices<'_>, plane: Plane, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let mut outline = Self {
-            front: Greatest::NONE,
-            rear: Greatest::NONE,
-            width: Greatest::NONE,
+            greatest: [Greatest::NONE; 3],
             rear_pole: T::ZERO,
         };
         let mut walk = snapshot.walk();
         for node in nodes.iter() {
             let [x, r] = walk.axial_radial(node, plane)?;
-            outline.front.push(x);
-            outline.rear.push(-x);
-            outline.width.push(r);
+            for (greatest, value) in outline.greatest.iter_mut().zip([x, -x, r]) {
+                greatest.push(value);
+            }
             outline.rear_pole = x;
         }
         Ok(outline)
+    }
+
+    /// The values that are greatest.
+    fn extremes(&self) -> [T; 3] {
+        self.greatest.each_ref().map(Greatest::value)
     }
 }
 
 /// The greatest of a sequence of values, with its two neighbours. Beyond its ends, which are the poles, an outline
 /// goes on as its mirror image, so that a neighbour is missing at an end only, where the parabola's vertex is the node.
+#[derive(Clone, Copy)]
 struct Greatest<T> {
     last: [Option<T>; 2],
     before: Option<T>,

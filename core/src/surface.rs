@@ -95,8 +95,8 @@ impl<T: Real> Point<T> {
         })
     }
 
-    /// The two tangents of the element with these nodes.
-    pub(crate) fn tangents(&self, nodes: &[[T; 3]; 6]) -> [[T; 3]; 2] {
+    /// The derivatives of what the nodes of the element know: of positions its two tangents.
+    pub(crate) fn derivatives<const W: usize>(&self, nodes: &[[T; W]; 6]) -> [[T; W]; 2] {
         self.gradient
             .each_ref()
             .map(|gradient| core::array::from_fn(|axis| combine(gradient, |i| nodes[i][axis])))
@@ -104,50 +104,56 @@ impl<T: Real> Point<T> {
 }
 
 /// sum_i weights_i values_i.
-pub(crate) fn combine<T: Real>(weights: &[T; 6], value: impl Fn(usize) -> T) -> T {
+fn combine<T: Real>(weights: &[T; 6], value: impl Fn(usize) -> T) -> T {
     (0..6).map(|i| weights[i] * value(i)).sum()
 }
 
-/// Sum over the elements and their quadrature points of `weight * integrand`, given what `node` knows of the
-/// element's six; `none` is what it knows before.
+/// Sums over the elements and their quadrature points of `weight * integrand`, given what the element's six nodes know.
 ///
 /// # Errors
 /// Those of `node`; a sum that is not finite.
-pub(crate) fn integrate<T: Real, V: Copy>(
+pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
     mesh: &Mesh<'_>,
-    none: V,
-    node: impl Fn(usize) -> Result<V, EvaluateError>,
-    integrand: impl Fn(&Point<T>, &[V; 6]) -> T,
-) -> Result<T, EvaluateError> {
-    sum(mesh, &|element, points| {
-        let mut nodes = [none; 6];
+    node: impl Fn(usize) -> Result<[T; W], EvaluateError>,
+    integrand: impl Fn(&Point<T>, &[[T; W]; 6]) -> [T; R],
+) -> Result<[T; R], EvaluateError> {
+    let mut sums = [T::ZERO; R];
+    let share = visit(mesh, &mut |element, points| {
+        let mut nodes = [[T::ZERO; W]; 6];
         for (known, index) in nodes.iter_mut().zip(element) {
             *known = node(index.into())?;
         }
-        Ok(points.iter().map(|point| point.weight * integrand(point, &nodes)).sum())
-    })
+        let mut own = [T::ZERO; R];
+        for point in points {
+            for (own, value) in own.iter_mut().zip(integrand(point, &nodes)) {
+                *own += point.weight * value;
+            }
+        }
+        sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        Ok(())
+    })?;
+    sums.iter_mut().for_each(|sum| *sum *= share);
+    if sums.iter().all(|sum| sum.is_finite()) {
+        Ok(sums)
+    } else {
+        Err(EvaluateError::NotFinite)
+    }
 }
 
-/// What an element contributes to a sum, given its nodes and quadrature points.
-type Contribution<'c, T> = dyn Fn([u16; 6], &[Point<T>; 6]) -> Result<T, EvaluateError> + 'c;
+/// What is done at an element, given its nodes and quadrature points.
+type Visit<'v, T> = dyn FnMut([u16; 6], &[Point<T>; 6]) -> Result<(), EvaluateError> + 'v;
 
-/// Sum of what the elements contribute. Where the mesh is symmetric to y = 0
-/// and z = 0, a quarter of it is enough.
-fn sum<T: Real>(mesh: &Mesh<'_>, contribution: &Contribution<'_, T>) -> Result<T, EvaluateError> {
+/// Visits the elements; where the mesh is symmetric to y = 0 and z = 0, those of a quarter. Returns how often they make up
+/// the surface.
+fn visit<T: Real>(mesh: &Mesh<'_>, visit: &mut Visit<'_, T>) -> Result<T, EvaluateError> {
     let points = Point::all(mesh.element_nodes() == 3);
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
     let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()
         && (0..mesh.nodes()).all(|node| mirrored_from_quarter(mesh, node));
-    let mut sum = T::ZERO;
     for element in mesh.elements().filter(|element| !symmetric || quarter(element)) {
-        sum += contribution(element, &points)?;
+        visit(element, &points)?;
     }
-    let sum = if symmetric { T::from_f32(4.0) * sum } else { sum };
-    if sum.is_finite() {
-        Ok(sum)
-    } else {
-        Err(EvaluateError::NotFinite)
-    }
+    Ok(if symmetric { T::from_f32(4.0) } else { T::ONE })
 }
 
 /// Whether a node's reference position has y >= 0 and z >= 0.
@@ -173,11 +179,12 @@ pub(crate) fn volume<T: Real>(
     mesh: &Mesh<'_>,
     node: impl Fn(usize) -> Result<[T; 3], EvaluateError>,
 ) -> Result<T, EvaluateError> {
-    integrate(mesh, [T::ZERO; 3], node, volume_density)
+    let [volume] = integrate(mesh, node, |point, nodes| [volume_density(point, nodes)])?;
+    Ok(volume)
 }
 
 fn volume_density<T: Real>(point: &Point<T>, nodes: &[[T; 3]; 6]) -> T {
-    let [a, b] = point.tangents(nodes);
+    let [a, b] = point.derivatives(nodes);
     combine(&point.shape, |i| nodes[i][0]) * (a[1] * b[2] - a[2] * b[1])
 }
 

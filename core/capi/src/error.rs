@@ -35,9 +35,21 @@ impl Error {
         greatest: 0.0,
     };
 
-    /// A failure with what was found, the least and the greatest that would be right.
+    /// A failure with counts: what was found, the least and the greatest that would be right. They are exact below 2^32.
     #[inline(never)]
-    pub(crate) fn new(status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Self {
+    pub(crate) fn counts(status: Status, what: &'static str, figures: [usize; 3]) -> Self {
+        let figure = |count| f64::from(u32::try_from(count).unwrap_or(u32::MAX));
+        Self::new(status, what, figures.map(figure))
+    }
+
+    /// A failure with numbers in place of counts.
+    #[inline(never)]
+    fn numbers(status: Status, what: &'static str, figures: [f32; 3]) -> Self {
+        Self::new(status, what, figures.map(f64::from))
+    }
+
+    #[inline(never)]
+    fn new(status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Self {
         let figures = Self {
             found,
             least,
@@ -77,86 +89,79 @@ impl From<Status> for Error {
     }
 }
 
-/// A count as a figure, exact below 2^32.
-#[inline(never)]
-pub(crate) fn figure(count: usize) -> f64 {
-    f64::from(u32::try_from(count).unwrap_or(u32::MAX))
-}
-
 impl From<OpenError> for Error {
     fn from(error: OpenError) -> Self {
-        let counts = |found, least, greatest| [found, least, greatest].map(figure);
-        let (status, what, figures) = match error {
-            OpenError::Truncated { expected, found } => (Status::Truncated, "", counts(found, expected, 0)),
-            OpenError::Magic { .. } => return Status::Magic.into(),
-            OpenError::Version { found, supported } => (Status::Version, "", [found.into(), 0.0, supported.into()]),
-            OpenError::Checksum { expected, found } => (Status::Checksum, "", [found.into(), expected.into(), 0.0]),
-            OpenError::Undecodable => return Status::Undecodable.into(),
-            OpenError::TrailingBytes { found } => (Status::TrailingBytes, "", counts(found, 0, 0)),
+        match error {
+            OpenError::Truncated { expected, found } => Self::counts(Status::Truncated, "", [found, expected, 0]),
+            OpenError::Magic { .. } => Status::Magic.into(),
+            OpenError::Version { found, supported } => {
+                Self::counts(Status::Version, "", [found as usize, 0, supported as usize])
+            }
+            OpenError::Checksum { expected, found } => {
+                Self::counts(Status::Checksum, "", [found as usize, expected as usize, 0])
+            }
+            OpenError::Undecodable => Status::Undecodable.into(),
+            OpenError::TrailingBytes { found } => Self::counts(Status::TrailingBytes, "", [found, 0, 0]),
             OpenError::Rows { what, expected, found }
             | OpenError::Columns { what, expected, found }
             | OpenError::Dimension { what, expected, found }
-            | OpenError::Length { what, expected, found } => (Status::Inconsistent, what, counts(found, expected, 0)),
-            OpenError::Index { what, value, bound, .. } => (Status::Inconsistent, what, counts(value, 0, bound)),
-            OpenError::Number { what, value, .. } => (Status::Inconsistent, what, [value.into(), 0.0, 0.0]),
-            OpenError::Setting { what, value, min, max } => (Status::Inconsistent, what, [value, min, max]),
-            OpenError::SectorNode { node, .. } => (Status::Inconsistent, "sector nodes", counts(node, 0, 0)),
-            OpenError::ShortOutline { name } => (Status::Inconsistent, name, [0.0; 3]),
-            OpenError::DuplicateSample { second, .. } => (Status::Inconsistent, "samples", counts(second, 0, 0)),
-            _ => return Status::Other.into(),
-        };
-        Self::new(status, what, figures)
+            | OpenError::Length { what, expected, found } => {
+                Self::counts(Status::Inconsistent, what, [found, expected, 0])
+            }
+            OpenError::Index { what, value, bound, .. } => Self::counts(Status::Inconsistent, what, [value, 0, bound]),
+            OpenError::Number { what, value, .. } => Self::numbers(Status::Inconsistent, what, [value, 0.0, 0.0]),
+            OpenError::Setting { what, value, min, max } => Self::new(Status::Inconsistent, what, [value, min, max]),
+            OpenError::SectorNode { node, .. } => Self::counts(Status::Inconsistent, "sector nodes", [node, 0, 0]),
+            OpenError::ShortOutline { name } => Self::counts(Status::Inconsistent, name, [0; 3]),
+            OpenError::DuplicateSample { second, .. } => Self::counts(Status::Inconsistent, "samples", [second, 0, 0]),
+            _ => Status::Other.into(),
+        }
     }
 }
 
 impl From<EvaluateError> for Error {
     fn from(error: EvaluateError) -> Self {
-        let counts = |found, least, greatest| [found, least, greatest].map(figure);
-        let numbers = |found: f32, least: f32, greatest: f32| [found, least, greatest].map(f64::from);
-        let (status, what, figures) = match error {
+        match error {
             EvaluateError::Capacity {
                 limit,
                 required,
                 capacity,
-            } => (Status::Capacity, limit, counts(required, 0, capacity)),
-            EvaluateError::Value { what, value, min, max } => (Status::Value, what, numbers(value, min, max)),
-            EvaluateError::Parameter { value, min, max, .. } => (Status::Value, "", numbers(value, min, max)),
+            } => Self::counts(Status::Capacity, limit, [required, 0, capacity]),
+            EvaluateError::Value { what, value, min, max } => Self::numbers(Status::Value, what, [value, min, max]),
+            EvaluateError::Parameter { value, min, max, .. } => Self::numbers(Status::Value, "", [value, min, max]),
             EvaluateError::ParameterCount { expected, found } => {
-                (Status::ParameterCount, "", counts(found, expected, 0))
+                Self::counts(Status::ParameterCount, "", [found, expected, 0])
             }
             EvaluateError::OutsideDomain {
                 value,
                 range: [min, max],
                 ..
-            } => (Status::OutsideDomain, "", numbers(value, min, max)),
-            EvaluateError::FarFromSamples { ratio } => (
-                Status::OutsideDomain,
-                "distance from the samples",
-                numbers(ratio, 0.0, 1.0),
-            ),
-            EvaluateError::FarOutside { distance, limit } => (
+            } => Self::numbers(Status::OutsideDomain, "", [value, min, max]),
+            EvaluateError::FarFromSamples { ratio } => {
+                Self::numbers(Status::OutsideDomain, "distance from the samples", [ratio, 0.0, 1.0])
+            }
+            EvaluateError::FarOutside { distance, limit } => Self::numbers(
                 Status::OutsideDomain,
                 "distance from the samples in their spread",
-                numbers(distance, 0.0, limit),
+                [distance, 0.0, limit],
             ),
             EvaluateError::BeyondSteadyLimit {
                 capillary_number,
                 limit,
                 ..
-            } => (
+            } => Self::numbers(
                 Status::BeyondSteadyLimit,
                 "capillary number",
-                numbers(capillary_number, 0.0, limit),
+                [capillary_number, 0.0, limit],
             ),
-            EvaluateError::Weights { sum } => (Status::Weights, "", numbers(sum, 0.0, 0.0)),
-            EvaluateError::NotPrepared => return Status::NotPrepared.into(),
-            EvaluateError::UnknownNode { node, nodes } => (Status::UnknownNode, "", counts(node, 0, nodes)),
-            EvaluateError::BufferTooShort { required, found } => (Status::Short, "", counts(found, required, 0)),
-            EvaluateError::NotFinite => return Status::NotFinite.into(),
-            EvaluateError::NoSphere => return Status::NoSphere.into(),
-            EvaluateError::UnknownNodeSet => return Status::NoOutline.into(),
-            _ => return Status::Other.into(),
-        };
-        Self::new(status, what, figures)
+            EvaluateError::Weights { sum } => Self::numbers(Status::Weights, "", [sum, 0.0, 0.0]),
+            EvaluateError::NotPrepared => Status::NotPrepared.into(),
+            EvaluateError::UnknownNode { node, nodes } => Self::counts(Status::UnknownNode, "", [node, 0, nodes]),
+            EvaluateError::BufferTooShort { required, found } => Self::counts(Status::Short, "", [found, required, 0]),
+            EvaluateError::NotFinite => Status::NotFinite.into(),
+            EvaluateError::NoSphere => Status::NoSphere.into(),
+            EvaluateError::UnknownNodeSet => Status::NoOutline.into(),
+            _ => Status::Other.into(),
+        }
     }
 }

@@ -6,7 +6,7 @@
 //! are as these functions left them; they may be moved with all their bytes. Calls that share a model only may run at
 //! the same time; calls that share a workspace may not.
 
-use crate::error::{Error, figure};
+use crate::error::Error;
 use crate::memory::{Buffer, Bytes, check, spare};
 use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
@@ -189,9 +189,9 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         let (model, workspace, parameters) =
             unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
         let expected = model.contents().metadata.parameters.len();
-        let counts = [parameters.len(), expected, 0].map(figure);
-        let wrong_count = Error::new(Status::ParameterCount, "", counts);
-        let parameters = rom::Parameters::new(parameters).ok_or(wrong_count)?;
+        let counts = [parameters.len(), expected, 0];
+        let parameters =
+            rom::Parameters::new(parameters).ok_or_else(|| Error::counts(Status::ParameterCount, "", counts))?;
         let method = match query.method {
             0 => model.contents().default_method,
             1 => rom::Method::Direct,
@@ -484,11 +484,11 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     let mut ask = |instant: &mut Instant<'_>| {
         // SAFETY: the caller keeps what the module says.
         let (scratch, out) = unsafe { (scratch.zeros(), out.place()) };
-        let membrane = in_numbers(instant.membrane(scratch.as_chunks_mut().0), 3)?;
+        let totals = in_numbers(instant.membrane(scratch.as_chunks_mut().0), 3)?.totals()?;
         out.write(Membrane {
-            area: membrane.area()?,
-            energy: membrane.energy()?,
-            pressure_drop: membrane.pressure_drop()?,
+            area: totals.area,
+            energy: totals.energy,
+            pressure_drop: totals.pressure_drop,
         });
         Ok(())
     };
@@ -525,13 +525,13 @@ unsafe fn call(
 fn holds<O>(size: usize) -> Result<(), Error> {
     let needed = size_of::<O>();
     if size < needed {
-        return Err(Error::new(Status::Short, "", [size, needed, 0].map(figure)));
+        return Err(Error::counts(Status::Short, "", [size, needed, 0]));
     }
     Ok(())
 }
 
 fn choice(what: &'static str, found: usize, greatest: usize) -> Error {
-    Error::new(Status::Choice, what, [found, 0, greatest].map(figure))
+    Error::counts(Status::Choice, what, [found, 0, greatest])
 }
 
 fn frame_of(frame: u32) -> Result<rom::Frame, Error> {

@@ -111,23 +111,7 @@ pub(crate) fn dot_in_order<T: Real>(a: &[T], x: &[T]) -> T {
 
 /// y <- y + factor times stored entries.
 pub(crate) fn add_by<E: Copy, T: Real>(y: &mut [T], factor: T, entries: &[E], value: impl Fn(E) -> T) {
-    let count = y.len().min(entries.len());
-    let (y, y_rest) = part_mut(y, 0..count).as_chunks_mut::<LANES>();
-    let (entries, rest) = part(entries, 0..count).as_chunks::<LANES>();
-    for (y, entries) in y.iter_mut().zip(entries) {
-        let [y0, y1, y2, y3, y4, y5, y6, y7] = y;
-        let [a0, a1, a2, a3, a4, a5, a6, a7] = entries;
-        // In their places: moving eight numbers is a call where code is optimised for size.
-        *y0 += value(*a0) * factor;
-        *y1 += value(*a1) * factor;
-        *y2 += value(*a2) * factor;
-        *y3 += value(*a3) * factor;
-        *y4 += value(*a4) * factor;
-        *y5 += value(*a5) * factor;
-        *y6 += value(*a6) * factor;
-        *y7 += value(*a7) * factor;
-    }
-    for (y, entry) in y_rest.iter_mut().zip(rest) {
+    for (y, entry) in y.iter_mut().zip(entries) {
         *y += value(*entry) * factor;
     }
 }

@@ -11,11 +11,10 @@ mod poiseuille;
 mod stencil;
 
 pub use deformation::Deformation;
-pub use membrane::Membrane;
+pub use membrane::{Membrane, Totals};
 pub use stencil::Stencil;
 
 use crate::Real;
-use crate::linalg::dot;
 
 /// a + factor b.
 fn plus<T: Real>(a: [T; 3], factor: T, b: [T; 3]) -> [T; 3] {
@@ -25,7 +24,12 @@ fn plus<T: Real>(a: [T; 3], factor: T, b: [T; 3]) -> [T; 3] {
 /// The metric of two tangents: their products 11, 22, 12.
 fn metric<T: Real>(tangents: &[[T; 3]; 2]) -> [T; 3] {
     let [a, b] = tangents;
-    [dot(a, a), dot(b, b), dot(a, b)]
+    [product(a, a), product(b, b), product(a, b)]
+}
+
+/// The scalar product, added as [`dot`](crate::linalg::dot) adds it.
+fn product<T: Real>([ax, ay, az]: &[T; 3], [bx, by, bz]: &[T; 3]) -> T {
+    (*ax * *bx + *az * *bz) + *ay * *by
 }
 
 /// The determinant of a metric.

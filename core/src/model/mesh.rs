@@ -56,19 +56,21 @@ impl<'a> Mesh<'a> {
 
     /// Nodes of an element: 6, or 3 where the triangles are flat.
     pub fn element_nodes(&self) -> usize {
-        self.element_nodes
+        self.element_nodes.clamp(3, 6)
     }
 
     /// The triangles: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside. Flat ones have no
     /// mid-edges, and name their corners again in their place.
     pub fn elements(&self) -> impl ExactSizeIterator<Item = [u16; 6]> + Clone + use<'a> {
-        let (indices, per_element) = (self.elements, self.element_nodes.clamp(3, 6));
-        let count = indices.len() / per_element;
-        (0..count).map(move |element| {
-            core::array::from_fn(|i| {
-                let i = if i < per_element { i } else { i - 3 };
-                indices.get(element * per_element + i).unwrap_or_default() as u16
-            })
+        let mesh = *self;
+        (0..self.elements.len() / self.element_nodes()).map(move |element| mesh.element(element))
+    }
+
+    fn element(&self, element: usize) -> [u16; 6] {
+        let own = self.element_nodes();
+        core::array::from_fn(|i| {
+            let i = if i < own { i } else { i - 3 };
+            self.elements.get(element * own + i).unwrap_or_default() as u16
         })
     }
 
@@ -99,7 +101,8 @@ impl<'a> Mesh<'a> {
 
     /// Reference position of a sector node, see [`wire::Reference`]; 0 where there is none.
     pub fn sector_reference(&self, sector_node: usize) -> [f32; 3] {
-        self.sector_node(sector_node).map(f32::from_le_bytes)
+        let node = self.sector_reference.get(sector_node);
+        node.map_or([0.0; 3], |node| node.map(f32::from_le_bytes))
     }
 
     /// The same as it is stored.

@@ -81,6 +81,7 @@ impl<'a> Model<'a> {
     }
 
     /// Fills an empty model.
+    #[inline(never)]
     fn read(&mut self, file: &'a [u8]) -> Result<(), OpenError> {
         let (payload, digest) = payload(file)?;
         (self.digest, self.file) = (digest, file);

@@ -5,7 +5,7 @@ use crate::model::{self, ModelFile};
 use crate::parameters::QueryOptions;
 use crate::{outlines, print};
 use anyhow::{Context, Result, anyhow};
-use capsule_core::mechanics::{Deformation, Stencil};
+use capsule_core::mechanics::{self, Deformation, Stencil};
 use capsule_core::model::wire::{Reference, Units};
 use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::vtu;
@@ -290,11 +290,15 @@ impl<'o> Mechanics<'o> {
 
     fn totals(&mut self, evaluator: &mut Evaluator<'_, f32>, t: f32) -> Result<Totals<f32>> {
         let [max_stretch, max_tension, min_tension] = fields::extremes(&self.deformations(evaluator, t)?);
-        let membrane = evaluator.at(t)?.membrane(&mut self.sector)?;
+        let mechanics::Totals {
+            area,
+            energy,
+            pressure_drop,
+        } = evaluator.at(t)?.membrane(&mut self.sector)?.totals()?;
         Ok(Totals {
-            area: membrane.area()?,
-            energy: membrane.energy()?,
-            pressure_drop: membrane.pressure_drop()?,
+            area,
+            energy,
+            pressure_drop,
             max_stretch,
             max_tension,
             min_tension,

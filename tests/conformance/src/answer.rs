@@ -146,10 +146,8 @@ impl<T: Word> Storage<T> {
                 many(self.vectors.iter().take(count).flatten(), text);
             }
             Ask::Membrane => {
-                let membrane = instant.membrane(&mut self.vectors)?;
-                text.number(membrane.area()?);
-                text.number(membrane.energy()?);
-                text.number(membrane.pressure_drop()?);
+                let totals = instant.membrane(&mut self.vectors)?.totals()?;
+                [totals.area, totals.energy, totals.pressure_drop].map(|total| text.number(total));
             }
             Ask::Deformation => {
                 let membrane = instant.membrane(&mut self.vectors)?;

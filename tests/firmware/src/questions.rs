@@ -55,7 +55,8 @@ pub fn answer(
     outline.iter().take(count).flatten().copied().for_each(&mut *emit);
     let mut sector = [[0.0; 3]; 512];
     let membrane = instant.membrane(&mut sector)?;
-    for total in [membrane.area()?, membrane.energy()?, membrane.pressure_drop()?] {
+    let totals = membrane.totals()?;
+    for total in [totals.area, totals.energy, totals.pressure_drop] {
         emit(total);
     }
     let deformation = membrane.deformation(&Stencil::at(&model.mesh(), 31)?)?;
