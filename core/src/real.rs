@@ -55,9 +55,7 @@ pub trait Real:
         Self::from_f64(value as f64)
     }
     /// The absolute value.
-    fn abs(self) -> Self {
-        if self < Self::ZERO { -self } else { self }
-    }
+    fn abs(self) -> Self;
     /// The larger of two numbers.
     fn max(self, other: Self) -> Self {
         if self < other { other } else { self }
@@ -101,6 +99,9 @@ macro_rules! real {
             }
             fn exp(self) -> Self {
                 $exp(self)
+            }
+            fn abs(self) -> Self {
+                $scalar::abs(self)
             }
             fn is_finite(self) -> bool {
                 $scalar::is_finite(self)

@@ -74,16 +74,13 @@ pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     for (a, x) in a_chunks.iter().zip(x_chunks) {
         lanes = add_products(lanes, *a, *x);
     }
-    if !a_rest.is_empty() {
-        lanes = add_products(lanes, padded(a_rest), padded(x_rest));
+    // A copy, so that the loop above has its lanes in registers.
+    let mut sums = lanes;
+    for (sum, (a, x)) in sums.iter_mut().zip(a_rest.iter().zip(x_rest)) {
+        *sum += *a * *x;
     }
-    let [a, b, c, d, e, f, g, h] = lanes;
+    let [a, b, c, d, e, f, g, h] = sums;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
-}
-
-/// Fewer than eight entries, and zeros.
-fn padded<T: Real>(entries: &[T]) -> [T; LANES] {
-    core::array::from_fn(|i| entries.get(i).copied().unwrap_or(T::ZERO))
 }
 
 /// lanes + a x, lane by lane.

@@ -147,7 +147,9 @@ impl<T: Word> Storage<T> {
             }
             Ask::Membrane => {
                 let totals = instant.membrane(&mut self.vectors)?.totals()?;
-                [totals.area, totals.energy, totals.pressure_drop].map(|total| text.number(total));
+                for total in [totals.area, totals.energy, totals.pressure_drop] {
+                    text.number(total);
+                }
             }
             Ask::Deformation => {
                 let membrane = instant.membrane(&mut self.vectors)?;
