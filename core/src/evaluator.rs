@@ -57,12 +57,11 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
     /// without `extrapolate`; a step that is not in its range.
     pub fn prepare(&mut self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         let digest = self.model.digest();
-        if let Some(Prepared { domain, .. }) = self
-            .workspace
-            .prepared
-            .filter(|prepared| prepared.digest == digest && prepared.query == *query)
+        if let Some(prepared) = &self.workspace.prepared
+            && prepared.digest == digest
+            && prepared.query == *query
         {
-            return Ok(domain);
+            return Ok(prepared.domain);
         }
         let mut domain = self.judge(query)?;
         let workspace = &mut *self.workspace;
@@ -166,10 +165,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             t
         };
         within("the instant", t, 0.0, end_time)?;
-        let prepared = self
-            .workspace
-            .prepared
-            .filter(|prepared| prepared.digest == self.model.digest());
+        let prepared = self.workspace.prepared.as_ref();
+        let prepared = prepared.filter(|prepared| prepared.digest == self.model.digest());
         let query = prepared.ok_or(EvaluateError::NotPrepared)?.query;
         let cluster = self
             .model
