@@ -84,6 +84,7 @@ impl Error {
 }
 
 impl From<Status> for Error {
+    #[inline(never)]
     fn from(status: Status) -> Self {
         Self { status, ..Self::NONE }
     }

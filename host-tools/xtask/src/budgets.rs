@@ -1,7 +1,7 @@
 //! What the online stage costs on a Cortex-M4F, against what was recorded: a rise of more than 2 % fails.
 
 use crate::command::{command, command_in, output, run};
-use crate::{header, package, root, setup, target_directory, wasm};
+use crate::{header, package, root, target_directory, wasm};
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -181,12 +181,7 @@ fn text(package: &Path) -> Result<u64> {
 
 /// The interface as a WebAssembly module, optimised for size by wasm-opt.
 fn module() -> Result<PathBuf> {
-    setup::rust_target(wasm::TARGET)?;
-    run(&mut command(&format!(
-        "cargo rustc --quiet --package capsule-capi --crate-type cdylib --features standalone --profile embedded \
-         --target {} -- -C strip=symbols",
-        wasm::TARGET
-    )))?;
+    package::interface(wasm::TARGET, "cdylib", "-C strip=symbols")?;
     let [built, optimised] = ["", "-optimised"].map(|suffix| {
         let name = format!("embedded/capsule_capi{suffix}.wasm");
         target_directory().join(wasm::TARGET).join(name)
