@@ -61,13 +61,11 @@ impl<T: Real> Extremes<T> {
         let mesh = &snapshot.mesh;
         let half = T::from_f32(0.5);
         // Along x, y, z and (y + z) / sqrt 2.
-        let values = |node| {
+        let infinity = T::from_f32(f32::INFINITY);
+        let mut extents = [[infinity, -infinity]; 4];
+        for node in 0..mesh.nodes() {
             let [x, y, z] = snapshot.node(node)?;
-            Ok([x, y, z, (y + z) * half.sqrt()])
-        };
-        let mut extents = values(0)?.map(|value| [value; 2]);
-        for node in 1..mesh.nodes() {
-            for ([least, greatest], value) in extents.iter_mut().zip(values(node)?) {
+            for ([least, greatest], value) in extents.iter_mut().zip([x, y, z, (y + z) * half.sqrt()]) {
                 (*least, *greatest) = (least.min(value), greatest.max(value));
             }
         }

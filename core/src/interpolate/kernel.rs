@@ -25,6 +25,7 @@ const FAR_SCATTER: f32 = 3.0;
 /// Variance of the scatter that a sample counts as having, by the square of its distance in that of the farthest. It grows
 /// without a jump towards the farthest, whose weight it makes small: else the answer would jump where, as the query moves, one
 /// sample takes the place of another among the nearest (by up to 8 % of a beside the border of buckling).
+#[inline(never)]
 fn scatter<T: Real>(square: T) -> T {
     let far = (square - T::from_f32(NEAR)).max(T::ZERO) / T::from_f32(1.0 - NEAR);
     T::from_f32(SCATTER) + T::from_f32(FAR_SCATTER) * far * far * far

@@ -138,7 +138,7 @@ impl Judge {
 
     fn mesh(&mut self, mesh: &Mesh<'_>) {
         let nodes = mesh.nodes as usize;
-        self.count("nodes", nodes.min(MOST_NODES), nodes);
+        self.count("nodes", nodes.clamp(1, MOST_NODES), nodes);
         let sector = mesh.sector_reference.rows as usize;
         let what = "sector's reference nodes";
         let reference = self.matrix(what, &mesh.sector_reference, [sector, 3], ANY);
