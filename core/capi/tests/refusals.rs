@@ -61,7 +61,7 @@ impl Fixture {
 
     /// What the workspace holds; nothing in Miri, to which the padding between its fields is no number.
     fn words(&self) -> Option<[u64; WORKSPACE_WORDS]> {
-        (!cfg!(miri)).then_some(self.workspace.opaque)
+        if cfg!(miri) { None } else { Some(self.workspace.opaque) }
     }
 
     fn open(&mut self, length: usize, error: *mut Error) -> Status {
