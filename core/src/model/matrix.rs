@@ -355,7 +355,7 @@ mod tests {
     }
 
     fn unit(i: usize) -> f32 {
-        0.5_f32.powi(i as i32 % 4) * 0.25
+        [0.25, 0.125, 0.0625, 0.031_25][i % 4]
     }
 
     /// The matrix in an encoding, and its entries.
