@@ -382,7 +382,7 @@ fn the_message_is_postcard() {
     let family = Family::new(2);
     let mut arena = Arena::default();
     let mut contents = family.contents(&mut arena);
-    contents.metadata.created_unix_s = u64::MAX;
+    contents.metadata.created_unix_s = u32::MAX;
     contents.metadata.title = "a µ-capsule";
     contents.default_method = Method::Paper;
     contents.clusters[0].field.modes.encoding = Encoding::Columns(Digits { coarse: 300 });

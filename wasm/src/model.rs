@@ -95,7 +95,7 @@ impl Model {
     /// Creation time, seconds since 1970-01-01 UTC.
     #[wasm_bindgen(getter, js_name = createdUnixS)]
     pub fn created_unix_s(&self) -> f64 {
-        self.shared.core().contents().metadata.created_unix_s as f64
+        self.shared.core().contents().metadata.created_unix_s.into()
     }
 
     /// Nodes of the full mesh.

@@ -94,14 +94,14 @@ impl<'a> Cursor<'a> {
         self.take(1).first().copied().unwrap_or_default()
     }
 
-    /// An integer of at most `bits` bits.
+    /// An integer of at most `bits` bits. There is none of more than 32, which a microcontroller would take in two halves.
     #[inline(never)]
-    fn integer(&mut self, bits: u32) -> u64 {
-        let greatest = u64::MAX >> (64 - bits);
+    fn integer(&mut self, bits: u32) -> u32 {
+        let greatest = u32::MAX >> (u32::BITS - bits);
         let mut value = 0;
         for shift in (0..bits).step_by(7) {
             let byte = self.byte();
-            let group = u64::from(byte & 0x7f);
+            let group = u32::from(byte & 0x7f);
             if group > greatest >> shift {
                 break;
             }
@@ -116,7 +116,7 @@ impl<'a> Cursor<'a> {
 
     /// The same number on every target: a length of more than 32 bits cannot be right.
     fn length(&mut self) -> usize {
-        self.integer(32) as usize
+        self.integer(u32::BITS) as usize
     }
 
     #[inline(never)]
@@ -139,12 +139,6 @@ impl<'a> Part<'a> for u16 {
 }
 
 impl<'a> Part<'a> for u32 {
-    fn read(&mut self, from: &mut Cursor<'a>) {
-        *self = from.integer(Self::BITS) as Self;
-    }
-}
-
-impl<'a> Part<'a> for u64 {
     fn read(&mut self, from: &mut Cursor<'a>) {
         *self = from.integer(Self::BITS);
     }

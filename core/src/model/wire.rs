@@ -67,8 +67,8 @@ pub struct Metadata<'a> {
     pub database_digest: &'a str,
     /// Settings of the offline stage, as JSON text.
     pub offline_settings: &'a str,
-    /// Creation time, seconds since 1970-01-01 UTC.
-    pub created_unix_s: u64,
+    /// Creation time, seconds since 1970-01-01 UTC: up to the year 2106.
+    pub created_unix_s: u32,
 }
 
 /// Names of the units.

@@ -76,15 +76,19 @@ pub fn run(options: &Options) -> Result<()> {
 }
 
 /// Seconds since 1970, or what SOURCE_DATE_EPOCH says, so that a build can be repeated to the bit.
-fn now() -> u64 {
+fn now() -> u32 {
     let fixed = std::env::var("SOURCE_DATE_EPOCH")
         .ok()
         .and_then(|text| text.parse().ok());
-    fixed.unwrap_or_else(|| {
+    let seconds = || {
         SystemTime::now()
             .duration_since(UNIX_EPOCH)
-            .map_or(0, |since| since.as_secs())
-    })
+            .ok()?
+            .as_secs()
+            .try_into()
+            .ok()
+    };
+    fixed.or_else(seconds).unwrap_or_default()
 }
 
 /// Replaces the file whole or not at all.

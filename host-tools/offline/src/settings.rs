@@ -17,7 +17,7 @@ pub struct Settings {
     /// The constitutive law of the membrane.
     pub membrane_law: String,
     /// When the model is made, in seconds since 1970 (UTC). Given from outside, so that equal input gives equal bytes.
-    pub created_unix_s: u64,
+    pub created_unix_s: u32,
     /// Which configurations take part.
     pub design: Design,
     /// The domain that the model answers for, where it is sampled: least and greatest value of each parameter. Samples
