@@ -7,7 +7,7 @@
 //! the same time; calls that share a workspace may not.
 
 use crate::error::Error;
-use crate::memory::{Buffer, Bytes, check, spare};
+use crate::memory::{Buffer, Bytes, Place, check, spare};
 use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
@@ -61,8 +61,8 @@ pub unsafe extern "C" fn capsule_v1_open(
     length: usize,
     error: *mut Error,
 ) -> Status {
-    let (model, file) = (Buffer::output(model, 1), Buffer::input(file.cast::<u8>(), length));
-    let mut work = |()| {
+    let (model, file) = (Place::output(model), Buffer::input(file.cast::<u8>(), length));
+    let mut work = move |()| {
         holds::<Model>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe {
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn capsule_v1_open(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(None, &[model.bytes(), file.bytes()], error, &mut work) }
+    unsafe { call(None, &[model.written(), file.read()], error, &mut work) }
 }
 
 /// Says what a model is.
@@ -86,10 +86,10 @@ pub unsafe extern "C" fn capsule_v1_describe(
     description: *mut Description,
     error: *mut Error,
 ) -> Status {
-    let (model, out) = (Buffer::input(model, 1), Buffer::output(description, 1));
-    let mut work = |()| {
+    let (model, out) = (Place::input(model), Place::output(description));
+    let mut work = move |()| {
         // SAFETY: the caller keeps what the module says.
-        let (model, out) = unsafe { (model.content()?, out.place()) };
+        let (model, out) = unsafe { (model.content()?, out.memory()) };
         let points = |outline| model.node_set(outline).map_or(0, |nodes| nodes.len());
         out.write(Description {
             digest: model.digest(),
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn capsule_v1_describe(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(Some(&model), &[model.bytes(), out.bytes()], error, &mut work) }
+    unsafe { call(Some(&model), &[model.read(), out.written()], error, &mut work) }
 }
 
 /// Name and range of parameter number `index`.
@@ -121,10 +121,10 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     parameter: *mut Parameter,
     error: *mut Error,
 ) -> Status {
-    let (model, out) = (Buffer::input(model, 1), Buffer::output(parameter, 1));
-    let mut work = |()| {
+    let (model, out) = (Place::input(model), Place::output(parameter));
+    let mut work = move |()| {
         // SAFETY: the caller keeps what the module says.
-        let (model, out) = unsafe { (model.content()?, out.place()) };
+        let (model, out) = unsafe { (model.content()?, out.memory()) };
         let parameters = &model.contents().metadata.parameters;
         let found = parameters
             .get(index)
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(Some(&model), &[model.bytes(), out.bytes()], error, &mut work) }
+    unsafe { call(Some(&model), &[model.read(), out.written()], error, &mut work) }
 }
 
 /// Makes an empty workspace of memory, of which `size` is `sizeof *workspace`.
@@ -147,15 +147,15 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
 /// See [`functions`](self).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: usize, error: *mut Error) -> Status {
-    let workspace = Buffer::output(workspace, 1);
-    let mut work = |()| {
+    let workspace = Place::output(workspace);
+    let mut work = move |()| {
         holds::<Workspace>(size)?;
         // SAFETY: the caller keeps what the module says.
         unsafe { workspace.empty() };
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(None, &[workspace.bytes()], error, &mut work) }
+    unsafe { call(None, &[workspace.written()], error, &mut work) }
 }
 
 /// Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
@@ -172,19 +172,19 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     error: *mut Error,
 ) -> Status {
     let (model, workspace, query, domain) = (
-        Buffer::input(model, 1),
-        Buffer::output(workspace, 1),
-        Buffer::input(query, 1),
-        Buffer::output(domain, 1),
+        Place::input(model),
+        Place::output(workspace),
+        Place::input(query),
+        Place::output(domain),
     );
-    if let Err(status) = check(&[query.bytes()], Bytes::NONE) {
+    if let Err(status) = check(&[query.read()], Bytes::NONE) {
         return status;
     }
-    let bytes = query.bytes();
+    let bytes = query.read();
     // SAFETY: the caller keeps what the module says.
     let query = unsafe { query.start().read() };
     let parameters = Buffer::input(query.parameters, query.parameter_count);
-    let mut work = |()| {
+    let mut work = move |()| {
         // SAFETY: the caller keeps what the module says.
         let (model, workspace, parameters) =
             unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         let found = prepared.map_err(|error| Error::of_query(error, model))?;
         if !domain.is_null() {
             // SAFETY: the caller keeps what the module says.
-            unsafe { domain.place() }.write(match found {
+            unsafe { domain.memory() }.write(match found {
                 rom::Domain::Inside => Domain::Inside,
                 rom::Domain::BeyondSteadyLimit => Domain::BeyondSteadyLimit,
                 rom::Domain::FarFromSamples => Domain::FarFromSamples,
@@ -217,11 +217,11 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         Ok(())
     };
     let buffers = [
-        model.bytes(),
-        workspace.bytes(),
+        model.read(),
+        workspace.written(),
         bytes,
-        parameters.bytes(),
-        domain.optional_bytes(),
+        parameters.read(),
+        domain.written().optional(),
     ];
     // SAFETY: the caller keeps what the module says.
     unsafe { call(Some(&model), &buffers, error, &mut work) }
@@ -368,7 +368,7 @@ pub unsafe extern "C" fn capsule_v1_outline_at(
     count: *mut usize,
     error: *mut Error,
 ) -> Status {
-    let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {
+    let mut ask = move |(instant, out): (&mut Instant<'_>, &mut [f32])| {
         let name = match outline {
             0 => rom::MIDPLANE,
             1 => rom::DIAGONAL,
@@ -480,10 +480,10 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     membrane: *mut Membrane,
     error: *mut Error,
 ) -> Status {
-    let (scratch, out) = (Buffer::output(scratch, capacity), Buffer::output(membrane, 1));
-    let mut ask = |instant: &mut Instant<'_>| {
+    let (scratch, out) = (Buffer::output(scratch, capacity), Place::output(membrane));
+    let mut ask = move |instant: &mut Instant<'_>| {
         // SAFETY: the caller keeps what the module says.
-        let (scratch, out) = unsafe { (scratch.zeros(), out.place()) };
+        let (scratch, out) = unsafe { (scratch.zeros(), out.memory()) };
         let totals = in_numbers(instant.membrane(scratch.as_chunks_mut().0), 3)?.totals()?;
         out.write(Membrane {
             area: totals.area,
@@ -492,7 +492,7 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
         });
         Ok(())
     };
-    let others = [scratch.bytes(), out.bytes()];
+    let others = [scratch.written(), out.written()];
     // SAFETY: the caller keeps what the module says.
     unsafe { call_at(model, workspace, t, others, error, &mut ask) }
 }
@@ -501,22 +501,23 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
 /// nothing is written: `error` may be what overlaps. `model` is the one that is asked.
 #[inline(never)]
 unsafe fn call(
-    model: Option<&Buffer<Model>>,
+    model: Option<&Place<Model>>,
     buffers: &[Bytes],
     error: *mut Error,
     work: &mut dyn Work<(), ()>,
 ) -> Status {
-    let error = Buffer::output(error, 1);
-    let place = error.optional_bytes();
+    let error = Place::output(error);
+    let place = error.written().optional();
     // SAFETY: the caller keeps what the module says, and the model was checked with the buffers.
     let file = || model.map_or(Bytes::NONE, |model| unsafe { model.file() });
     if let Err(status) = check(buffers, place).and_then(|()| spare(file(), buffers, place)) {
         return status;
     }
-    let failure = work.run(()).err().unwrap_or(Error::NONE);
+    let outcome = work.run(());
+    let failure = outcome.as_ref().err().unwrap_or(&Error::NONE);
     if !error.is_null() {
         // SAFETY: the caller keeps what the module says, and no other buffer is there.
-        unsafe { error.place() }.write(failure);
+        unsafe { error.start().copy_from_nonoverlapping(failure.into(), 1) };
     }
     failure.status
 }
@@ -555,7 +556,7 @@ fn in_numbers<A>(result: Result<A, rom::EvaluateError>, numbers: usize) -> Resul
 }
 
 /// Asks something at an instant of the prepared query.
-unsafe fn at(model: Buffer<Model>, workspace: Buffer<Workspace>, t: f32, ask: &mut Ask<'_>) -> Result<(), Error> {
+unsafe fn at(model: Place<Model>, workspace: Place<Workspace>, t: f32, ask: &mut Ask<'_>) -> Result<(), Error> {
     // SAFETY: the caller keeps what the module says.
     let (model, workspace) = unsafe { (model.content()?, workspace.content_mut()?) };
     ask.run(&mut Evaluator::new(model, workspace)?.at(t)?)
@@ -570,10 +571,14 @@ unsafe fn call_at(
     error: *mut Error,
     ask: &mut Ask<'_>,
 ) -> Status {
-    let (model, workspace) = (Buffer::input(model, 1), Buffer::output(workspace, 1));
-    let buffers = [model.bytes(), workspace.bytes(), first, second];
+    let (model, workspace) = (Place::input(model), Place::output(workspace));
+    let buffers = [model.read(), workspace.written(), first, second];
     // SAFETY: the caller keeps what the module says.
-    unsafe { call(Some(&model), &buffers, error, &mut |()| at(model, workspace, t, ask)) }
+    unsafe {
+        call(Some(&model), &buffers, error, &mut move |()| {
+            at(model, workspace, t, ask)
+        })
+    }
 }
 
 /// A call that answers with one value.
@@ -585,15 +590,15 @@ unsafe fn one<A>(
     error: *mut Error,
     ask: impl Fn(&mut Instant<'_>) -> Result<A, rom::EvaluateError>,
 ) -> Status {
-    let out = Buffer::output(out, 1);
-    let mut ask = |instant: &mut Instant<'_>| {
+    let out = Place::output(out);
+    let mut ask = move |instant: &mut Instant<'_>| {
         let found = ask(instant)?;
         // SAFETY: the caller keeps what the module says.
-        unsafe { out.place() }.write(found);
+        unsafe { out.memory() }.write(found);
         Ok(())
     };
     // SAFETY: the caller keeps what the module says.
-    unsafe { call_at(model, workspace, t, [out.bytes(), Bytes::NONE], error, &mut ask) }
+    unsafe { call_at(model, workspace, t, [out.written(), Bytes::NONE], error, &mut ask) }
 }
 
 /// A call that answers with one number.
@@ -622,11 +627,11 @@ unsafe fn many(
     error: *mut Error,
     fill: &mut Fill<'_>,
 ) -> Status {
-    let (model, workspace) = (Buffer::input(model, 1), Buffer::output(workspace, 1));
-    let (out, count) = (Buffer::output(out, capacity), Buffer::output(count, 1));
-    let mut work = |()| {
+    let (model, workspace) = (Place::input(model), Place::output(workspace));
+    let (out, count) = (Buffer::output(out, capacity), Place::output(count));
+    let mut work = move |()| {
         // SAFETY: the caller keeps what the module says.
-        let (out, count) = unsafe { (out.zeros(), count.place()) };
+        let (out, count) = unsafe { (out.zeros(), count.memory()) };
         let count = count.write(0);
         let mut ask = |instant: &mut Instant<'_>| {
             *count = fill.run((instant, out))?;
@@ -635,7 +640,7 @@ unsafe fn many(
         // SAFETY: the caller keeps what the module says.
         unsafe { at(model, workspace, t, &mut ask) }
     };
-    let buffers = [model.bytes(), workspace.bytes(), out.bytes(), count.bytes(), list];
+    let buffers = [model.read(), workspace.written(), out.written(), count.written(), list];
     // SAFETY: the caller keeps what the module says.
     unsafe { call(Some(&model), &buffers, error, &mut work) }
 }
@@ -656,7 +661,7 @@ unsafe fn scene(
     ask: Vectors,
 ) -> Status {
     let list = Buffer::input(nodes, node_count);
-    let mut ask = |(instant, out): (&mut Instant<'_>, &mut [f32])| {
+    let mut ask = move |(instant, out): (&mut Instant<'_>, &mut [f32])| {
         let nodes = if list.is_null() {
             Nodes::All
         } else {
@@ -666,7 +671,7 @@ unsafe fn scene(
         let frame = frame_of(frame)?;
         Ok(3 * in_numbers(ask(instant, &Scene { nodes, frame }, out.as_chunks_mut().0), 3)?)
     };
-    let bytes = list.optional_bytes();
+    let bytes = list.read().optional();
     // SAFETY: the caller keeps what the module says.
     unsafe { many(model, workspace, t, bytes, out, capacity, count, error, &mut ask) }
 }

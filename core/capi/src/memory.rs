@@ -5,12 +5,22 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 use core::slice;
 
-/// `count` values at a pointer. What it points to may be used after [`check`] has passed its bytes.
+/// A value at a pointer. What it points to may be used after [`check`] has passed its bytes.
+pub(crate) struct Place<T>(*mut T);
+
+/// `count` values at a pointer, the first of them in its place.
 pub(crate) struct Buffer<T> {
-    start: *mut T,
+    first: Place<T>,
     count: usize,
-    written: bool,
 }
+
+impl<T> Clone for Place<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Place<T> {}
 
 impl<T> Clone for Buffer<T> {
     fn clone(&self) -> Self {
@@ -20,13 +30,14 @@ impl<T> Clone for Buffer<T> {
 
 impl<T> Copy for Buffer<T> {}
 
-/// The bytes of a buffer.
+/// The bytes that a call reads or writes. They are stored at every call, so they are few words.
 #[derive(Clone, Copy)]
 pub(crate) struct Bytes {
     start: usize,
-    /// The greatest number where there are more.
-    length: usize,
-    alignment: usize,
+    /// Values, of this size.
+    count: usize,
+    size: u16,
+    alignment: u8,
     written: bool,
 }
 
@@ -34,27 +45,39 @@ impl Bytes {
     /// No memory.
     pub(crate) const NONE: Self = Self {
         start: 1,
-        length: 0,
+        count: 0,
+        size: 1,
         alignment: 1,
         written: false,
     };
+
+    /// The same, if there is any: the pointer may be null.
+    pub(crate) fn optional(self) -> Self {
+        if self.start == 0 { Self::NONE } else { self }
+    }
 
     fn judge(&self) -> Result<(), Status> {
         if self.start == 0 {
             return Err(Status::Null);
         }
-        if !self.start.is_multiple_of(self.alignment) {
+        if !self.start.is_multiple_of(self.alignment.into()) {
             return Err(Status::Misaligned);
         }
         // A slice of Rust may not be longer than an isize can say.
-        if isize::try_from(self.length).is_err() || self.start.checked_add(self.length).is_none() {
+        let length = self.count.saturating_mul(self.size.into());
+        if isize::try_from(length).is_err() || self.start.checked_add(length).is_none() {
             return Err(Status::Overlap);
         }
         Ok(())
     }
 
+    /// The end of what was judged.
+    fn end(&self) -> usize {
+        self.start + self.count * usize::from(self.size)
+    }
+
     fn overlaps(&self, other: &Self) -> bool {
-        self.start < other.start + other.length && other.start < self.start + self.length
+        self.start < other.end() && other.start < self.end()
     }
 }
 
@@ -79,52 +102,91 @@ pub(crate) fn check(buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
     Ok(())
 }
 
-impl<T> Buffer<T> {
-    /// `count` values at a pointer, to read.
-    pub(crate) fn input(pointer: *const T, count: usize) -> Self {
-        Self {
-            start: pointer.cast_mut(),
-            count,
-            written: false,
-        }
+impl<T> Place<T> {
+    /// A value to read.
+    pub(crate) fn input(pointer: *const T) -> Self {
+        Self(pointer.cast_mut())
     }
 
-    /// `count` values at a pointer, to write.
-    pub(crate) fn output(pointer: *mut T, count: usize) -> Self {
-        Self {
-            start: pointer,
-            count,
-            written: true,
-        }
+    /// A value to write.
+    pub(crate) fn output(pointer: *mut T) -> Self {
+        Self(pointer)
     }
 
-    /// Where it lies.
-    pub(crate) fn bytes(&self) -> Bytes {
+    /// Where it lies, to read.
+    pub(crate) fn read(&self) -> Bytes {
+        self.bytes(1, false)
+    }
+
+    /// Where it lies, to write.
+    pub(crate) fn written(&self) -> Bytes {
+        self.bytes(1, true)
+    }
+
+    fn bytes(&self, count: usize, written: bool) -> Bytes {
+        const {
+            assert!(size_of::<T>() <= u16::MAX as usize && align_of::<T>() <= u8::MAX as usize);
+        }
         Bytes {
-            start: self.start.addr(),
-            length: self.count.saturating_mul(size_of::<T>()),
-            alignment: align_of::<T>(),
-            written: self.written,
+            start: self.0.addr(),
+            count,
+            size: size_of::<T>() as u16,
+            alignment: align_of::<T>() as u8,
+            written,
         }
-    }
-
-    /// Where it lies, if there is one: its pointer may be null.
-    pub(crate) fn optional_bytes(&self) -> Bytes {
-        if self.is_null() { Bytes::NONE } else { self.bytes() }
     }
 
     /// Whether there is none.
     pub(crate) fn is_null(&self) -> bool {
-        self.start.is_null()
+        self.0.is_null()
     }
 
-    /// Its first value.
+    /// Where it starts.
     ///
     /// # Safety
-    /// [`check`] has passed the buffer.
+    /// [`check`] has passed it.
     pub(crate) unsafe fn start(&self) -> NonNull<T> {
         // SAFETY: not null.
-        unsafe { NonNull::new_unchecked(self.start) }
+        unsafe { NonNull::new_unchecked(self.0) }
+    }
+
+    /// Its memory, which may hold anything.
+    ///
+    /// # Safety
+    /// [`check`] has passed it with the others of the call. The caller of the interface promised that nobody else uses the
+    /// memory.
+    pub(crate) unsafe fn memory<'a>(self) -> &'a mut MaybeUninit<T> {
+        // SAFETY: aligned, not null, in bounds; the rest is promised.
+        unsafe { &mut *self.0.cast::<MaybeUninit<T>>() }
+    }
+}
+
+impl<T> Buffer<T> {
+    /// `count` values to read.
+    pub(crate) fn input(pointer: *const T, count: usize) -> Self {
+        let first = Place::input(pointer);
+        Self { first, count }
+    }
+
+    /// `count` values to write.
+    pub(crate) fn output(pointer: *mut T, count: usize) -> Self {
+        let first = Place::output(pointer);
+        Self { first, count }
+    }
+
+    /// Where they lie, to read.
+    pub(crate) fn read(&self) -> Bytes {
+        self.first.bytes(self.count, false)
+    }
+
+    /// Where they lie, to write.
+    pub(crate) fn written(&self) -> Bytes {
+        self.first.bytes(self.count, true)
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_null(&self) -> bool {
+        self.first.is_null()
     }
 
     /// The values.
@@ -134,7 +196,7 @@ impl<T> Buffer<T> {
     /// which nobody writes while the reference lives. `T` is valid with every pattern of bits.
     pub(crate) unsafe fn values<'a>(self) -> &'a [T] {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
-        unsafe { slice::from_raw_parts(self.start, self.count) }
+        unsafe { slice::from_raw_parts(self.first.0, self.count) }
     }
 
     /// The memory, set to zeros, to write values into.
@@ -145,17 +207,8 @@ impl<T> Buffer<T> {
     pub(crate) unsafe fn zeros<'a>(self) -> &'a mut [T] {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
         unsafe {
-            self.start.write_bytes(0, self.count);
-            slice::from_raw_parts_mut(self.start, self.count)
+            self.first.0.write_bytes(0, self.count);
+            slice::from_raw_parts_mut(self.first.0, self.count)
         }
-    }
-
-    /// The memory of the first value, which may hold anything.
-    ///
-    /// # Safety
-    /// As [`zeros`](Self::zeros), without what is said of `T`; `count` is at least 1.
-    pub(crate) unsafe fn place<'a>(self) -> &'a mut MaybeUninit<T> {
-        // SAFETY: aligned, not null, in bounds; the rest is promised.
-        unsafe { &mut *self.start.cast::<MaybeUninit<T>>() }
     }
 }

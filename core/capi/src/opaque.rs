@@ -1,7 +1,7 @@
 //! The two objects that a caller allocates without knowing what is in them.
 
 use crate::Status;
-use crate::memory::{Buffer, Bytes};
+use crate::memory::{Buffer, Bytes, Place};
 use capsule_core as rom;
 use core::mem::MaybeUninit;
 use core::ptr::NonNull;
@@ -46,30 +46,30 @@ pub(crate) type CoreWorkspace = rom::Workspace<f32, MOST_MODES, MOST_LOCAL_MODES
 /// An opaque object of the interface, and what it holds. The tag tells memory that was set up from memory that was not.
 pub(crate) trait Opaque: Sized {
     type Content;
-    const TAG: u64;
+    const TAG: u32;
     /// What is said of an object that was not set up.
     const MISSING: Status;
 }
 
 #[repr(C)]
 struct Tagged<C> {
-    tag: u64,
+    tag: u32,
     content: C,
 }
 
 impl Opaque for Model {
     type Content = rom::Model<'static>;
-    const TAG: u64 = 0x6c65_646f_6d5f_3176;
+    const TAG: u32 = u32::from_le_bytes(*b"v1mo");
     const MISSING: Status = Status::NoModel;
 }
 
 impl Opaque for Workspace {
     type Content = CoreWorkspace;
-    const TAG: u64 = 0x6b72_6f77_5f31_7663;
+    const TAG: u32 = u32::from_le_bytes(*b"v1wo");
     const MISSING: Status = Status::NoWorkspace;
 }
 
-impl Buffer<Workspace> {
+impl Place<Workspace> {
     /// Makes an empty workspace where it lies: one on the stack would be larger than the stack of a microcontroller.
     ///
     /// # Safety
@@ -86,7 +86,7 @@ impl Buffer<Workspace> {
     }
 }
 
-impl Buffer<Model> {
+impl Place<Model> {
     /// Where the file of a model lies that was opened.
     ///
     /// # Safety
@@ -96,19 +96,19 @@ impl Buffer<Model> {
         let content = unsafe { self.content() };
         content.map_or(Bytes::NONE, |model| {
             let file = model.file();
-            Buffer::input(file.as_ptr(), file.len()).bytes()
+            Buffer::input(file.as_ptr(), file.len()).read()
         })
     }
 }
 
-impl<O: Opaque> Buffer<O> {
+impl<O: Opaque> Place<O> {
     const FITS: () = assert!(
         size_of::<Tagged<O::Content>>() <= size_of::<O>() && align_of::<Tagged<O::Content>>() <= align_of::<O>(),
         "the object has room for its content"
     );
 
     /// # Safety
-    /// The caller of the interface promised that the memory is there; the buffer was checked.
+    /// The caller of the interface promised that the memory is there; it was checked.
     unsafe fn tagged(&self) -> NonNull<Tagged<O::Content>> {
         const { Self::FITS };
         // SAFETY: it was checked.
@@ -130,7 +130,7 @@ impl<O: Opaque> Buffer<O> {
     /// As [`room`](Self::room), where a content has been written.
     pub(crate) unsafe fn set_up(self) {
         // SAFETY: the tag is the first word of the object.
-        unsafe { self.start().cast::<u64>().write(O::TAG) }
+        unsafe { self.start().cast::<u32>().write(O::TAG) }
     }
 
     /// Marks the object as not set up.
@@ -139,7 +139,7 @@ impl<O: Opaque> Buffer<O> {
     /// As [`room`](Self::room).
     pub(crate) unsafe fn clear(&self) {
         // SAFETY: the tag is the first word of the object.
-        unsafe { self.start().cast::<u64>().write(0) }
+        unsafe { self.start().cast::<u32>().write(0) }
     }
 
     /// Refuses an object that was not set up.
@@ -148,7 +148,7 @@ impl<O: Opaque> Buffer<O> {
     /// As [`room`](Self::room).
     unsafe fn judge(&self) -> Result<(), Status> {
         // SAFETY: the tag is the first word of the object; a caller who leaves it uninitialised gets some number.
-        let tag = unsafe { self.start().cast::<u64>().read() };
+        let tag = unsafe { self.start().cast::<u32>().read() };
         if tag == O::TAG { Ok(()) } else { Err(O::MISSING) }
     }
 
