@@ -11,17 +11,20 @@ use crate::{Domain, Query, Real};
 ///
 /// Capacities: `K` modes (K, translation included, and K_c), `M` local modes (m_u, m_v), `N` samples that take part in a
 /// query, at most 48.
+///
+/// In this order, what is small lies before what is large: a Cortex-M reaches the first 4 KiB in one instruction.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Workspace<T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
     pub(crate) prepared: Option<Prepared<T>>,
-    /// Room for one thing at a time: the interpolation, then the snapshots' factor of either field.
-    pub(crate) scratch: Factor<T>,
     pub(crate) weights: Weights<T, N>,
-    pub(crate) contracted: Contracted<T, K>,
-    pub(crate) controls: Controls<T, K>,
     pub(crate) displacement: Coefficients<T, K>,
     pub(crate) velocity: Coefficients<T, K>,
+    pub(crate) contracted: Contracted<T, K>,
     pub(crate) dynamics: Dynamics<T, M>,
+    pub(crate) controls: Controls<T, K>,
+    /// Room for one thing at a time: the interpolation, then the snapshots' factor of either field.
+    pub(crate) scratch: Factor<T>,
 }
 
 /// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error,

@@ -52,13 +52,13 @@ fn library(target: &str) -> Result<PathBuf> {
     Ok(target_directory().join(target).join("embedded/libcapsule_capi.a"))
 }
 
-/// Builds the C interface for a target. A function that LLVM weighs more than ten instructions is called: on a Cortex-M4F that
+/// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a Cortex-M4F that
 /// takes 2 % less code than its own limit for size.
 pub fn interface(target: &str, crate_type: &str, flags: &str) -> Result<()> {
     setup::rust_target(target)?;
     run(&mut command(&format!(
         "cargo rustc --quiet --package capsule-capi --crate-type {crate_type} --features standalone --profile embedded \
-         --target {target} -- -C llvm-args=-inline-threshold=10 {flags}"
+         --target {target} -- -C llvm-args=-inline-threshold=7 {flags}"
     )))
 }
 
