@@ -138,7 +138,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
                     Quantity::Velocity => (&mut self.velocity, source.settings.velocity_rank),
                 };
                 let fetch = |instant, out: &mut [T]| source.at_instant(instant, quantity, out);
-                let more = basis.learn(learning, rank, fetch, instants, wanted.into(), scratch);
+                let more = basis.learn(learning, rank, fetch, instants, wanted as usize, scratch);
                 match (more, quantity) {
                     (Some(()), _) => {}
                     (None, Quantity::Displacement) => {

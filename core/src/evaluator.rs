@@ -39,14 +39,14 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             fits("parameter modes", field.parameter_modes.columns as usize, K)?;
             fits("axial modes", field.axial_modes.columns as usize, AXIAL_MODES)?;
         }
-        fits("neighbours of the kernel", contents.kernel.neighbours.into(), N)?;
+        fits("neighbours of the kernel", contents.kernel.neighbours as usize, N)?;
         fits(
             "neighbours of the diffuse approximation",
-            contents.paper.neighbours.into(),
+            contents.paper.neighbours as usize,
             N.saturating_sub(ridge_rows(contents.metadata.parameters.len())),
         )?;
-        fits("local displacement modes", contents.paper.displacement_rank.into(), M)?;
-        fits("local velocity modes", contents.paper.velocity_rank.into(), M)?;
+        fits("local displacement modes", contents.paper.displacement_rank as usize, M)?;
+        fits("local velocity modes", contents.paper.velocity_rank as usize, M)?;
         Ok(Self { model, workspace })
     }
 

@@ -56,7 +56,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         };
         let ridge_rows = ridge_rows(query.as_slice().len());
         self.find(&scaled, samples, query, left_out, N.saturating_sub(ridge_rows));
-        let holds = usize::from(settings.neighbours).clamp(1, self.count.max(1));
+        let holds = (settings.neighbours as usize).clamp(1, self.count.max(1));
         let radius = T::from_f64(settings.radius) * self.distance(holds);
         self.count = (0..self.count)
             .take_while(|j| self.distance(j + 1) < radius || self.distance(j + 1) == T::ZERO)

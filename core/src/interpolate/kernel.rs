@@ -52,7 +52,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<(), EvaluateError> {
-        let wanted = usize::from(settings.neighbours);
+        let wanted = settings.neighbours as usize;
         self.find(coordinates, samples, query, left_out, wanted);
         let crosses = self.count < wanted && coordinates.border.within(query.get(1)).is_some();
         if crosses {

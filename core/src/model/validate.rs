@@ -330,7 +330,7 @@ impl Judge {
     }
 
     #[inline(never)]
-    fn at_least_one(&mut self, what: &'static str, value: u16) {
+    fn at_least_one(&mut self, what: &'static str, value: u32) {
         self.setting(what, value.into(), 1.0, 1e4);
     }
 

@@ -219,7 +219,7 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kernel {
     /// Number of nearest samples that take part.
-    pub neighbours: u16,
+    pub neighbours: u32,
     /// Factor of each parameter in the coordinates in which distances are taken; 1 beyond the last. With a steady limit
     /// the coordinates are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l).
     pub scales: [f64; MAX_PARAMETERS],
@@ -229,15 +229,15 @@ pub struct Kernel {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
     /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
-    pub neighbours: u16,
+    pub neighbours: u32,
     /// Weight of each parameter in the distance: (r, 1) for (Ca, a/l), eq. 27 with r on Ca, as Figure 5 shows it.
     pub scales: [f64; MAX_PARAMETERS],
     /// R as a multiple of the distance of the M-th sample; > 1, or that sample has no weight.
     pub radius: f64,
     /// m_u: rank of the local displacement basis, translation included.
-    pub displacement_rank: u16,
+    pub displacement_rank: u32,
     /// m_v: rank of the local velocity basis, translation included.
-    pub velocity_rank: u16,
+    pub velocity_rank: u32,
     /// R of eq. (45) as a multiple of the snapshot interval.
     pub window: f64,
 }

@@ -52,7 +52,7 @@ pub(super) fn pareto(
         ways: Vec::new(),
     };
     let size = subject.model.len();
-    let few = |values: &'static [u16]| if quick { &values[..2] } else { values };
+    let few = |values: &'static [u32]| if quick { &values[..2] } else { values };
     let direct = |place: [f32; 2]| Query::new(place, Method::Direct);
     let paper = |place: [f32; 2]| Query::new(place, Method::Paper);
 
@@ -111,8 +111,8 @@ pub(super) fn pareto(
             )?;
         }
     }
-    type Change = fn(&mut Contents, u16);
-    let changes: [(&str, &[u16], Change); 2] = [
+    type Change = fn(&mut Contents, u32);
+    let changes: [(&str, &[u32], Change); 2] = [
         ("M", &[6, 8, 10, 16, 20], |contents, value| {
             contents.paper.neighbours = value
         }),

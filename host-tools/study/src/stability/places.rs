@@ -56,7 +56,7 @@ fn place(model: &Model, query: [f64; 2]) -> Option<Place> {
     };
     let own = Diffuse {
         order: 2,
-        neighbours: contents.paper.neighbours.into(),
+        neighbours: contents.paper.neighbours as usize,
         scale: contents.paper.scales[0],
         radius: contents.paper.radius,
         ridge: 1e-4,

@@ -62,10 +62,10 @@ pub(crate) fn rows(model: &Model, truths: &[Truth], quick: bool) -> Result<Vec<R
     type Change = fn(&mut Contents, f64);
     let all: [(&str, Method, &[f64], Change); 8] = [
         ("m_u", Method::Paper, &RANKS, |contents, value| {
-            contents.paper.displacement_rank = value as u16;
+            contents.paper.displacement_rank = value as u32;
         }),
         ("m_v", Method::Paper, &RANKS, |contents, value| {
-            contents.paper.velocity_rank = value as u16;
+            contents.paper.velocity_rank = value as u32;
         }),
         (
             "R of the manifold / interval",
@@ -80,7 +80,7 @@ pub(crate) fn rows(model: &Model, truths: &[Truth], quick: bool) -> Result<Vec<R
             Method::Paper,
             &[6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 26.0, 29.0],
             |contents, value| {
-                contents.paper.neighbours = value as u16;
+                contents.paper.neighbours = value as u32;
             },
         ),
         (
@@ -104,7 +104,7 @@ pub(crate) fn rows(model: &Model, truths: &[Truth], quick: bool) -> Result<Vec<R
             Method::Direct,
             &[6.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0],
             |contents, value| {
-                contents.kernel.neighbours = value as u16;
+                contents.kernel.neighbours = value as u32;
             },
         ),
         (
