@@ -372,6 +372,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// # Errors
     /// [`EvaluateError::NoSphere`] for a model whose stress-free state is not known;
     /// [`EvaluateError::BufferTooShort`]; [`EvaluateError::NotFinite`].
+    #[inline(never)]
     pub fn membrane<'s>(&mut self, sector: &'s mut [[T; 3]]) -> Result<Membrane<'a, 's, T>, EvaluateError> {
         if !matches!(self.model.contents().mesh.reference, Reference::Sphere) {
             return Err(EvaluateError::NoSphere);

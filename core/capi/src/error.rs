@@ -25,6 +25,15 @@ pub struct Error {
     pub greatest: f64,
 }
 
+/// That a call failed; why is written in its [`Error`].
+pub(crate) struct Failed;
+
+/// Why a call failed.
+pub(crate) trait Reason {
+    /// Writes it into an error that says nothing yet.
+    fn tell(self, failure: &mut Error) -> Failed;
+}
+
 impl Error {
     pub(crate) const NONE: Self = Self {
         status: Status::Ok,
@@ -35,134 +44,137 @@ impl Error {
         greatest: 0.0,
     };
 
+    /// The outcome of a part of a call; why it failed is written here. So a call hands on that it failed, and not each time
+    /// the forty bytes of why.
+    pub(crate) fn of<A, R: Reason>(&mut self, outcome: Result<A, R>) -> Result<A, Failed> {
+        outcome.map_err(|reason| reason.tell(self))
+    }
+
     /// A failure with counts: what was found, the least and the greatest that would be right. They are exact below 2^32.
     #[inline(never)]
-    pub(crate) fn counts(status: Status, what: &'static str, figures: [usize; 3]) -> Self {
+    pub(crate) fn counts(&mut self, status: Status, what: &'static str, figures: [usize; 3]) -> Failed {
         let figure = |count| f64::from(u32::try_from(count).unwrap_or(u32::MAX));
-        Self::new(status, what, figures.map(figure))
+        self.figures(status, what, figures.map(figure))
     }
 
     /// A failure with numbers in place of counts.
     #[inline(never)]
-    fn numbers(status: Status, what: &'static str, figures: [f32; 3]) -> Self {
-        Self::new(status, what, figures.map(f64::from))
+    fn numbers(&mut self, status: Status, what: &'static str, figures: [f32; 3]) -> Failed {
+        self.figures(status, what, figures.map(f64::from))
     }
 
     #[inline(never)]
-    fn new(status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Self {
-        let figures = Self {
-            found,
-            least,
-            greatest,
-            ..status.into()
-        };
-        figures.about(what)
+    fn figures(&mut self, status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Failed {
+        (self.status, self.found, self.least, self.greatest) = (status, found, least, greatest);
+        self.about(what);
+        Failed
+    }
+
+    /// A choice that does not exist.
+    #[inline(never)]
+    pub(crate) fn choice(&mut self, what: &'static str, found: usize, greatest: usize) -> Failed {
+        self.counts(Status::Choice, what, [found, 0, greatest])
     }
 
     /// Why a query was refused; a parameter bears the name that the model gives it.
-    pub(crate) fn of_query(error: EvaluateError, model: &Model<'static>) -> Self {
-        let ranges = &model.contents().metadata.parameters;
-        match error {
-            EvaluateError::Parameter { index, .. } | EvaluateError::OutsideDomain { index, .. } => {
-                Self::from(error).about(ranges.get(index).map_or("", |range| range.name))
-            }
-            _ => error.into(),
+    pub(crate) fn query(&mut self, error: EvaluateError, model: &Model<'static>) -> Failed {
+        let failed = error.tell(self);
+        if let EvaluateError::Parameter { index, .. } | EvaluateError::OutsideDomain { index, .. } = error
+            && let Some(range) = model.contents().metadata.parameters.get(index)
+        {
+            self.about(range.name);
         }
+        failed
     }
 
-    fn about(self, what: &'static str) -> Self {
-        Self {
-            what: if what.is_empty() {
-                ptr::null()
-            } else {
-                what.as_ptr().cast()
-            },
-            what_length: what.len(),
-            ..self
+    fn about(&mut self, what: &'static str) {
+        if !what.is_empty() {
+            (self.what, self.what_length) = (what.as_ptr().cast(), what.len());
         }
     }
 }
 
-impl From<Status> for Error {
+impl Reason for Status {
+    fn tell(self, failure: &mut Error) -> Failed {
+        failure.status = self;
+        Failed
+    }
+}
+
+impl Reason for OpenError {
+    fn tell(self, failure: &mut Error) -> Failed {
+        match self {
+            Self::Truncated { expected, found } => failure.counts(Status::Truncated, "", [found, expected, 0]),
+            Self::Magic { .. } => Status::Magic.tell(failure),
+            Self::Version { found, supported } => {
+                failure.counts(Status::Version, "", [found as usize, 0, supported as usize])
+            }
+            Self::Checksum { expected, found } => {
+                failure.counts(Status::Checksum, "", [found as usize, expected as usize, 0])
+            }
+            Self::Undecodable => Status::Undecodable.tell(failure),
+            Self::TrailingBytes { found } => failure.counts(Status::TrailingBytes, "", [found, 0, 0]),
+            Self::Rows { what, expected, found }
+            | Self::Columns { what, expected, found }
+            | Self::Dimension { what, expected, found }
+            | Self::Length { what, expected, found } => {
+                failure.counts(Status::Inconsistent, what, [found, expected, 0])
+            }
+            Self::Index { what, value, bound, .. } => failure.counts(Status::Inconsistent, what, [value, 0, bound]),
+            Self::Number { what, value, .. } => failure.numbers(Status::Inconsistent, what, [value, 0.0, 0.0]),
+            Self::Setting { what, value, min, max } => failure.figures(Status::Inconsistent, what, [value, min, max]),
+            Self::SectorNode { node, .. } => failure.counts(Status::Inconsistent, "sector nodes", [node, 0, 0]),
+            Self::ShortOutline { name } => failure.counts(Status::Inconsistent, name, [0; 3]),
+            Self::DuplicateSample { second, .. } => failure.counts(Status::Inconsistent, "samples", [second, 0, 0]),
+            _ => Status::Other.tell(failure),
+        }
+    }
+}
+
+impl Reason for EvaluateError {
     #[inline(never)]
-    fn from(status: Status) -> Self {
-        Self { status, ..Self::NONE }
-    }
-}
-
-impl From<OpenError> for Error {
-    fn from(error: OpenError) -> Self {
-        match error {
-            OpenError::Truncated { expected, found } => Self::counts(Status::Truncated, "", [found, expected, 0]),
-            OpenError::Magic { .. } => Status::Magic.into(),
-            OpenError::Version { found, supported } => {
-                Self::counts(Status::Version, "", [found as usize, 0, supported as usize])
-            }
-            OpenError::Checksum { expected, found } => {
-                Self::counts(Status::Checksum, "", [found as usize, expected as usize, 0])
-            }
-            OpenError::Undecodable => Status::Undecodable.into(),
-            OpenError::TrailingBytes { found } => Self::counts(Status::TrailingBytes, "", [found, 0, 0]),
-            OpenError::Rows { what, expected, found }
-            | OpenError::Columns { what, expected, found }
-            | OpenError::Dimension { what, expected, found }
-            | OpenError::Length { what, expected, found } => {
-                Self::counts(Status::Inconsistent, what, [found, expected, 0])
-            }
-            OpenError::Index { what, value, bound, .. } => Self::counts(Status::Inconsistent, what, [value, 0, bound]),
-            OpenError::Number { what, value, .. } => Self::numbers(Status::Inconsistent, what, [value, 0.0, 0.0]),
-            OpenError::Setting { what, value, min, max } => Self::new(Status::Inconsistent, what, [value, min, max]),
-            OpenError::SectorNode { node, .. } => Self::counts(Status::Inconsistent, "sector nodes", [node, 0, 0]),
-            OpenError::ShortOutline { name } => Self::counts(Status::Inconsistent, name, [0; 3]),
-            OpenError::DuplicateSample { second, .. } => Self::counts(Status::Inconsistent, "samples", [second, 0, 0]),
-            _ => Status::Other.into(),
-        }
-    }
-}
-
-impl From<EvaluateError> for Error {
-    fn from(error: EvaluateError) -> Self {
-        match error {
-            EvaluateError::Capacity {
+    fn tell(self, failure: &mut Error) -> Failed {
+        match self {
+            Self::Capacity {
                 limit,
                 required,
                 capacity,
-            } => Self::counts(Status::Capacity, limit, [required, 0, capacity]),
-            EvaluateError::Value { what, value, min, max } => Self::numbers(Status::Value, what, [value, min, max]),
-            EvaluateError::Parameter { value, min, max, .. } => Self::numbers(Status::Value, "", [value, min, max]),
-            EvaluateError::ParameterCount { expected, found } => {
-                Self::counts(Status::ParameterCount, "", [found, expected, 0])
+            } => failure.counts(Status::Capacity, limit, [required, 0, capacity]),
+            Self::Value { what, value, min, max } => failure.numbers(Status::Value, what, [value, min, max]),
+            Self::Parameter { value, min, max, .. } => failure.numbers(Status::Value, "", [value, min, max]),
+            Self::ParameterCount { expected, found } => {
+                failure.counts(Status::ParameterCount, "", [found, expected, 0])
             }
-            EvaluateError::OutsideDomain {
+            Self::OutsideDomain {
                 value,
                 range: [min, max],
                 ..
-            } => Self::numbers(Status::OutsideDomain, "", [value, min, max]),
-            EvaluateError::FarFromSamples { ratio } => {
-                Self::numbers(Status::OutsideDomain, "distance from the samples", [ratio, 0.0, 1.0])
+            } => failure.numbers(Status::OutsideDomain, "", [value, min, max]),
+            Self::FarFromSamples { ratio } => {
+                failure.numbers(Status::OutsideDomain, "distance from the samples", [ratio, 0.0, 1.0])
             }
-            EvaluateError::FarOutside { distance, limit } => Self::numbers(
+            Self::FarOutside { distance, limit } => failure.numbers(
                 Status::OutsideDomain,
                 "distance from the samples in their spread",
                 [distance, 0.0, limit],
             ),
-            EvaluateError::BeyondSteadyLimit {
+            Self::BeyondSteadyLimit {
                 capillary_number,
                 limit,
                 ..
-            } => Self::numbers(
+            } => failure.numbers(
                 Status::BeyondSteadyLimit,
                 "capillary number",
                 [capillary_number, 0.0, limit],
             ),
-            EvaluateError::Weights { sum } => Self::numbers(Status::Weights, "", [sum, 0.0, 0.0]),
-            EvaluateError::NotPrepared => Status::NotPrepared.into(),
-            EvaluateError::UnknownNode { node, nodes } => Self::counts(Status::UnknownNode, "", [node, 0, nodes]),
-            EvaluateError::BufferTooShort { required, found } => Self::counts(Status::Short, "", [found, required, 0]),
-            EvaluateError::NotFinite => Status::NotFinite.into(),
-            EvaluateError::NoSphere => Status::NoSphere.into(),
-            EvaluateError::UnknownNodeSet => Status::NoOutline.into(),
-            _ => Status::Other.into(),
+            Self::Weights { sum } => failure.numbers(Status::Weights, "", [sum, 0.0, 0.0]),
+            Self::NotPrepared => Status::NotPrepared.tell(failure),
+            Self::UnknownNode { node, nodes } => failure.counts(Status::UnknownNode, "", [node, 0, nodes]),
+            Self::BufferTooShort { required, found } => failure.counts(Status::Short, "", [found, required, 0]),
+            Self::NotFinite => Status::NotFinite.tell(failure),
+            Self::NoSphere => Status::NoSphere.tell(failure),
+            Self::UnknownNodeSet => Status::NoOutline.tell(failure),
+            _ => Status::Other.tell(failure),
         }
     }
 }

@@ -6,7 +6,7 @@
 //! are as these functions left them; they may be moved with all their bytes. Calls that share a model only may run at
 //! the same time; calls that share a workspace may not.
 
-use crate::error::Error;
+use crate::error::{Error, Failed};
 use crate::memory::{Buffer, Bytes, Place, check, spare};
 use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
@@ -17,14 +17,15 @@ use core::ffi::{c_char, c_void};
 /// cbindgen:ignore
 type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
 
-/// What a call does. The vtable of a closure would hold its body twice, for [`FnMut`] and for [`FnOnce`].
+/// What a call does; why it fails it writes into the error. The vtable of a closure would hold its body twice, for
+/// [`FnMut`] and for [`FnOnce`].
 trait Work<A, B> {
-    fn run(&mut self, with: A) -> Result<B, Error>;
+    fn run(&mut self, with: A, failure: &mut Error) -> Result<B, Failed>;
 }
 
-impl<A, B, F: FnMut(A) -> Result<B, Error>> Work<A, B> for F {
-    fn run(&mut self, with: A) -> Result<B, Error> {
-        self(with)
+impl<A, B, F: FnMut(A, &mut Error) -> Result<B, Failed>> Work<A, B> for F {
+    fn run(&mut self, with: A, failure: &mut Error) -> Result<B, Failed> {
+        self(with, failure)
     }
 }
 
@@ -62,12 +63,12 @@ pub unsafe extern "C" fn capsule_v1_open(
     error: *mut Error,
 ) -> Status {
     let (model, file) = (Place::output(model), Buffer::input(file.cast::<u8>(), length));
-    let mut work = move |()| {
-        holds::<Model>(size)?;
+    let mut work = move |(), failure: &mut Error| {
+        holds::<Model>(size, failure)?;
         // SAFETY: the caller keeps what the module says.
         unsafe {
             model.clear();
-            rom::Model::open_in(model.room(), file.values())?;
+            failure.of(rom::Model::open_in(model.room(), file.values()))?;
             model.set_up();
         }
         Ok(())
@@ -87,15 +88,16 @@ pub unsafe extern "C" fn capsule_v1_describe(
     error: *mut Error,
 ) -> Status {
     let (model, out) = (Place::input(model), Place::output(description));
-    let mut work = move |()| {
+    let mut work = move |(), failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
-        let (model, out) = unsafe { (model.content()?, out.memory()) };
+        let (model, out) = unsafe { (failure.of(model.content())?, out.memory()) };
+        let mesh = model.mesh();
         let points = |outline| model.node_set(outline).map_or(0, |nodes| nodes.len());
         out.write(Description {
             digest: model.digest(),
             parameter_count: model.contents().metadata.parameters.len(),
-            nodes: model.mesh().nodes(),
-            sector_nodes: model.mesh().sector_nodes().len(),
+            nodes: mesh.nodes(),
+            sector_nodes: mesh.sector_nodes().len(),
             midplane_points: points(rom::MIDPLANE),
             diagonal_points: points(rom::DIAGONAL),
             end_time: model.end_time(),
@@ -122,13 +124,13 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     error: *mut Error,
 ) -> Status {
     let (model, out) = (Place::input(model), Place::output(parameter));
-    let mut work = move |()| {
+    let mut work = move |(), failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
-        let (model, out) = unsafe { (model.content()?, out.memory()) };
+        let (model, out) = unsafe { (failure.of(model.content())?, out.memory()) };
         let parameters = &model.contents().metadata.parameters;
         let found = parameters
             .get(index)
-            .ok_or(choice("parameter", index, parameters.len() - 1))?;
+            .ok_or_else(|| failure.choice("parameter", index, parameters.len() - 1))?;
         out.write(Parameter {
             name: found.name.as_ptr().cast(),
             name_length: found.name.len(),
@@ -148,8 +150,8 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: usize, error: *mut Error) -> Status {
     let workspace = Place::output(workspace);
-    let mut work = move |()| {
-        holds::<Workspace>(size)?;
+    let mut work = move |(), failure: &mut Error| {
+        holds::<Workspace>(size, failure)?;
         // SAFETY: the caller keeps what the module says.
         unsafe { workspace.empty() };
         Ok(())
@@ -184,27 +186,32 @@ pub unsafe extern "C" fn capsule_v1_prepare(
     // SAFETY: the caller keeps what the module says.
     let query = unsafe { query.start().read() };
     let parameters = Buffer::input(query.parameters, query.parameter_count);
-    let mut work = move |()| {
+    let mut work = move |(), failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
-        let (model, workspace, parameters) =
-            unsafe { (model.content()?, workspace.content_mut()?, parameters.values()) };
+        let (model, workspace, parameters) = unsafe {
+            (
+                failure.of(model.content())?,
+                failure.of(workspace.content_mut())?,
+                parameters.values(),
+            )
+        };
         let expected = model.contents().metadata.parameters.len();
         let counts = [parameters.len(), expected, 0];
         let parameters =
-            rom::Parameters::new(parameters).ok_or_else(|| Error::counts(Status::ParameterCount, "", counts))?;
+            rom::Parameters::new(parameters).ok_or_else(|| failure.counts(Status::ParameterCount, "", counts))?;
         let method = match query.method {
             0 => model.contents().default_method,
             1 => rom::Method::Direct,
             2 => rom::Method::Paper,
-            other => return Err(choice("method", other as usize, 2)),
+            other => return Err(failure.choice("method", other as usize, 2)),
         };
         let mut asked = rom::Query::new(parameters, method);
         asked.extrapolate = query.extrapolate != 0;
         if query.step != 0.0 {
             asked.step = Some(query.step);
         }
-        let prepared = Evaluator::new(model, workspace)?.prepare(&asked);
-        let found = prepared.map_err(|error| Error::of_query(error, model))?;
+        let prepared = failure.of(Evaluator::new(model, workspace))?.prepare(&asked);
+        let found = prepared.map_err(|error| failure.query(error, model))?;
         if !domain.is_null() {
             // SAFETY: the caller keeps what the module says.
             unsafe { domain.memory() }.write(match found {
@@ -368,14 +375,14 @@ pub unsafe extern "C" fn capsule_v1_outline_at(
     count: *mut usize,
     error: *mut Error,
 ) -> Status {
-    let mut ask = move |(instant, out): (&mut Instant<'_>, &mut [f32])| {
+    let mut ask = move |(instant, out): (&mut Instant<'_>, &mut [f32]), failure: &mut Error| {
         let name = match outline {
             0 => rom::MIDPLANE,
             1 => rom::DIAGONAL,
-            other => return Err(choice("outline", other as usize, 1)),
+            other => return Err(failure.choice("outline", other as usize, 1)),
         };
-        let written = instant.outline(name, frame_of(frame)?, out.as_chunks_mut().0);
-        Ok(2 * in_numbers(written, 2)?)
+        let written = instant.outline(name, frame_of(frame, failure)?, out.as_chunks_mut().0);
+        Ok(2 * failure.of(in_numbers(written, 2))?)
     };
     // SAFETY: the caller keeps what the module says.
     unsafe {
@@ -481,10 +488,15 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     error: *mut Error,
 ) -> Status {
     let (scratch, out) = (Buffer::output(scratch, capacity), Place::output(membrane));
-    let mut ask = move |instant: &mut Instant<'_>| {
+    let mut ask = move |instant: &mut Instant<'_>, failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
         let (scratch, out) = unsafe { (scratch.zeros(), out.memory()) };
-        let totals = in_numbers(instant.membrane(scratch.as_chunks_mut().0), 3)?.totals()?;
+        let membrane = instant.membrane(scratch.as_chunks_mut().0);
+        let totals = membrane
+            .as_ref()
+            .map_err(|error| *error)
+            .and_then(|membrane| membrane.totals());
+        let totals = failure.of(in_numbers(totals, 3))?;
         out.write(Membrane {
             area: totals.area,
             energy: totals.energy,
@@ -513,53 +525,58 @@ unsafe fn call(
     if let Err(status) = check(buffers, place).and_then(|()| spare(file(), buffers, place)) {
         return status;
     }
-    let outcome = work.run(());
-    let failure = outcome.as_ref().err().unwrap_or(&Error::NONE);
-    if !error.is_null() {
+    let mut unasked = Error::NONE;
+    let failure = if error.is_null() {
+        &mut unasked
+    } else {
         // SAFETY: the caller keeps what the module says, and no other buffer is there.
-        unsafe { error.start().copy_from_nonoverlapping(failure.into(), 1) };
-    }
+        unsafe { error.memory() }.write(Error::NONE)
+    };
+    // What failed is in the status.
+    let (Ok(()) | Err(Failed)) = work.run((), failure);
     failure.status
 }
 
 /// Refuses an object that the caller says is smaller than its content.
-fn holds<O>(size: usize) -> Result<(), Error> {
+fn holds<O>(size: usize, failure: &mut Error) -> Result<(), Failed> {
     let needed = size_of::<O>();
     if size < needed {
-        return Err(Error::counts(Status::Short, "", [size, needed, 0]));
+        return Err(failure.counts(Status::Short, "", [size, needed, 0]));
     }
     Ok(())
 }
 
-fn choice(what: &'static str, found: usize, greatest: usize) -> Error {
-    Error::counts(Status::Choice, what, [found, 0, greatest])
-}
-
-fn frame_of(frame: u32) -> Result<rom::Frame, Error> {
+fn frame_of(frame: u32, failure: &mut Error) -> Result<rom::Frame, Failed> {
     match frame {
         0 => Ok(rom::Frame::Laboratory),
         1 => Ok(rom::Frame::Centroid),
-        other => Err(choice("frame", other as usize, 1)),
+        other => Err(failure.choice("frame", other as usize, 1)),
     }
 }
 
 /// Says in numbers what a buffer of points lacks.
-fn in_numbers<A>(result: Result<A, rom::EvaluateError>, numbers: usize) -> Result<A, Error> {
+fn in_numbers<A>(result: Result<A, rom::EvaluateError>, numbers: usize) -> Result<A, rom::EvaluateError> {
     result.map_err(|error| match error {
         rom::EvaluateError::BufferTooShort { required, found } => rom::EvaluateError::BufferTooShort {
             required: numbers * required,
             found: numbers * found,
-        }
-        .into(),
-        other => other.into(),
+        },
+        other => other,
     })
 }
 
 /// Asks something at an instant of the prepared query.
-unsafe fn at(model: Place<Model>, workspace: Place<Workspace>, t: f32, ask: &mut Ask<'_>) -> Result<(), Error> {
+unsafe fn at(
+    model: Place<Model>,
+    workspace: Place<Workspace>,
+    t: f32,
+    ask: &mut Ask<'_>,
+    failure: &mut Error,
+) -> Result<(), Failed> {
     // SAFETY: the caller keeps what the module says.
-    let (model, workspace) = unsafe { (model.content()?, workspace.content_mut()?) };
-    ask.run(&mut Evaluator::new(model, workspace)?.at(t)?)
+    let (model, workspace) = unsafe { (failure.of(model.content())?, failure.of(workspace.content_mut())?) };
+    let mut evaluator = failure.of(Evaluator::new(model, workspace))?;
+    ask.run(&mut failure.of(evaluator.at(t))?, failure)
 }
 
 /// A call that asks something at an instant, with one or two buffers besides the model and the workspace.
@@ -575,8 +592,8 @@ unsafe fn call_at(
     let buffers = [model.read(), workspace.written(), first, second];
     // SAFETY: the caller keeps what the module says.
     unsafe {
-        call(Some(&model), &buffers, error, &mut move |()| {
-            at(model, workspace, t, ask)
+        call(Some(&model), &buffers, error, &mut move |(), failure: &mut Error| {
+            at(model, workspace, t, ask, failure)
         })
     }
 }
@@ -591,8 +608,8 @@ unsafe fn one<A>(
     ask: impl Fn(&mut Instant<'_>) -> Result<A, rom::EvaluateError>,
 ) -> Status {
     let out = Place::output(out);
-    let mut ask = move |instant: &mut Instant<'_>| {
-        let found = ask(instant)?;
+    let mut ask = move |instant: &mut Instant<'_>, failure: &mut Error| {
+        let found = failure.of(ask(instant))?;
         // SAFETY: the caller keeps what the module says.
         unsafe { out.memory() }.write(found);
         Ok(())
@@ -629,16 +646,16 @@ unsafe fn many(
 ) -> Status {
     let (model, workspace) = (Place::input(model), Place::output(workspace));
     let (out, count) = (Buffer::output(out, capacity), Place::output(count));
-    let mut work = move |()| {
+    let mut work = move |(), failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
         let (out, count) = unsafe { (out.zeros(), count.memory()) };
         let count = count.write(0);
-        let mut ask = |instant: &mut Instant<'_>| {
-            *count = fill.run((instant, out))?;
+        let mut ask = |instant: &mut Instant<'_>, failure: &mut Error| {
+            *count = fill.run((instant, out), failure)?;
             Ok(())
         };
         // SAFETY: the caller keeps what the module says.
-        unsafe { at(model, workspace, t, &mut ask) }
+        unsafe { at(model, workspace, t, &mut ask, failure) }
     };
     let buffers = [model.read(), workspace.written(), out.written(), count.written(), list];
     // SAFETY: the caller keeps what the module says.
@@ -661,15 +678,16 @@ unsafe fn scene(
     ask: Vectors,
 ) -> Status {
     let list = Buffer::input(nodes, node_count);
-    let mut ask = move |(instant, out): (&mut Instant<'_>, &mut [f32])| {
+    let mut ask = move |(instant, out): (&mut Instant<'_>, &mut [f32]), failure: &mut Error| {
         let nodes = if list.is_null() {
             Nodes::All
         } else {
             // SAFETY: the caller keeps what the module says.
             Nodes::List(unsafe { list.values() })
         };
-        let frame = frame_of(frame)?;
-        Ok(3 * in_numbers(ask(instant, &Scene { nodes, frame }, out.as_chunks_mut().0), 3)?)
+        let frame = frame_of(frame, failure)?;
+        let written = ask(instant, &Scene { nodes, frame }, out.as_chunks_mut().0);
+        Ok(3 * failure.of(in_numbers(written, 3))?)
     };
     let bytes = list.read().optional();
     // SAFETY: the caller keeps what the module says.
