@@ -3,7 +3,6 @@
 use crate::Status;
 use capsule_core::{EvaluateError, Model, OpenError};
 use core::ffi::c_char;
-use core::ptr;
 
 /// What a call failed at. A field that the status does not mention is zero. Where the status is that a pointer is null or
 /// misaligned, or that two overlap, nothing is written: the pointer to this could be the one at fault.
@@ -35,15 +34,6 @@ pub(crate) trait Reason {
 }
 
 impl Error {
-    pub(crate) const NONE: Self = Self {
-        status: Status::Ok,
-        what: ptr::null(),
-        what_length: 0,
-        found: 0.0,
-        least: 0.0,
-        greatest: 0.0,
-    };
-
     /// The outcome of a part of a call; why it failed is written here. So a call hands on that it failed, and not each time
     /// the forty bytes of why.
     pub(crate) fn of<A, R: Reason>(&mut self, outcome: Result<A, R>) -> Result<A, Failed> {

@@ -13,6 +13,7 @@ use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter
 use capsule_core as rom;
 use capsule_core::{Evaluator, Nodes, Scene};
 use core::ffi::{c_char, c_void};
+use core::mem::MaybeUninit;
 
 /// cbindgen:ignore
 type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
@@ -525,13 +526,14 @@ unsafe fn call(
     if let Err(status) = check(buffers, place).and_then(|()| spare(file(), buffers, place)) {
         return status;
     }
-    let mut unasked = Error::NONE;
-    let failure = if error.is_null() {
-        &mut unasked
+    let mut unasked = MaybeUninit::uninit();
+    let error = if error.is_null() {
+        Place::output(unasked.as_mut_ptr())
     } else {
-        // SAFETY: the caller keeps what the module says, and no other buffer is there.
-        unsafe { error.memory() }.write(Error::NONE)
+        error
     };
+    // SAFETY: the caller keeps what the module says, and no other buffer is there. Zeros say that nothing failed.
+    let failure = unsafe { error.zeros() };
     // What failed is in the status.
     let (Ok(()) | Err(Failed)) = work.run((), failure);
     failure.status

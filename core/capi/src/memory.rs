@@ -159,6 +159,19 @@ impl<T> Place<T> {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
         unsafe { &mut *self.0.cast::<MaybeUninit<T>>() }
     }
+
+    /// Its memory, set to zeros. In words of four bytes: for those of eight a microcontroller would link another function.
+    ///
+    /// # Safety
+    /// As [`memory`](Self::memory). `T` is valid with zeros, and as large as some words.
+    pub(crate) unsafe fn zeros<'a>(self) -> &'a mut T {
+        const { assert!(size_of::<T>().is_multiple_of(4)) };
+        // SAFETY: aligned, not null, in bounds; the rest is promised.
+        unsafe {
+            self.0.cast::<u32>().write_bytes(0, size_of::<T>() / 4);
+            &mut *self.0
+        }
+    }
 }
 
 impl<T> Buffer<T> {
