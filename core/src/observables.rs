@@ -70,8 +70,9 @@ impl<T: Real> Extremes<T> {
             }
         }
         let [[rear, front], y, z, diagonal] = extents;
-        let middle = [y, z].map(|[least, greatest]| half * (least + greatest));
-        let mut rear_pole = None;
+        let middle = |[least, greatest]: [T; 2]| half * (least + greatest);
+        let axis = [middle(y), middle(z)];
+        let mut rear_pole = infinity;
         for element in mesh.elements() {
             for part in mesh.flat_parts() {
                 let mut corners = [[T::ZERO; 3]; 3];
@@ -79,36 +80,37 @@ impl<T: Real> Extremes<T> {
                     // Places are below 6: no panic is linked.
                     *corner = snapshot.node(element.get(*place).copied().unwrap_or_default().into())?;
                 }
-                if let Some(x) = axial_crossing(corners, middle) {
-                    rear_pole = Some(rear_pole.map_or(x, |known: T| known.min(x)));
-                }
+                rear_pole = rear_pole.min(axial_crossing(corners, axis));
             }
         }
         let half_extent = |[least, greatest]: [T; 2]| half * (greatest - least);
         Ok(Self {
             front,
             rear,
-            rear_pole: rear_pole.unwrap_or(rear),
+            rear_pole: if rear_pole < infinity { rear_pole } else { rear },
             half_width: half_extent(y),
             half_diagonal: half_extent(diagonal),
         })
     }
 }
 
-/// x at which the parallel to the axis through (y, z) meets a flat triangle.
-fn axial_crossing<T: Real>(corners: [[T; 3]; 3], [y, z]: [T; 2]) -> Option<T> {
-    let [[_, ya, za], [_, yb, zb], [_, yc, zc]] = corners;
+/// x at which the parallel to the axis through (y, z) meets a flat triangle; infinity where it does not.
+fn axial_crossing<T: Real>(corners: [[T; 3]; 3], [y, z]: [T; 2]) -> T {
+    let [[xa, ya, za], [xb, yb, zb], [xc, yc, zc]] = corners;
     let double_area = |[p, q]: [T; 2], [r, s]: [T; 2], [t, u]: [T; 2]| (r - p) * (u - q) - (t - p) * (s - q);
     let (point, a, b, c) = ([y, z], [ya, za], [yb, zb], [yc, zc]);
-    let shares = [
-        double_area(point, b, c),
-        double_area(a, point, c),
-        double_area(a, b, point),
-    ];
-    let whole = shares.iter().copied().sum::<T>();
-    let inside = shares.iter().all(|share| *share >= T::ZERO) || shares.iter().all(|share| *share <= T::ZERO);
-    let x = shares.iter().zip(corners).map(|(share, [x, ..])| *share * x).sum::<T>() / whole;
-    (inside && x.is_finite()).then_some(x)
+    let of_a = double_area(point, b, c);
+    let of_b = double_area(a, point, c);
+    let of_c = double_area(a, b, point);
+    let whole = of_a + of_b + of_c;
+    let x = (of_a * xa + of_b * xb + of_c * xc) / whole;
+    // A point inside leaves no part of another sign than the whole.
+    let inside = of_a * whole >= T::ZERO && of_b * whole >= T::ZERO && of_c * whole >= T::ZERO;
+    if inside && x.is_finite() {
+        x
+    } else {
+        T::from_f32(f32::INFINITY)
+    }
 }
 
 /// What is greatest along an outline: x, -x and r; and the x of its end.
@@ -136,7 +138,8 @@ impl<T: Real> Outline<T> {
 
     /// The values that are greatest.
     fn extremes(&self) -> [T; 3] {
-        self.greatest.each_ref().map(Greatest::value)
+        let [front, back, radius] = &self.greatest;
+        [front.value(), back.value(), radius.value()]
     }
 }
 
