@@ -83,13 +83,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         }
         let field = &cluster.field;
         let Contracted { psi, axial } = &mut workspace.contracted;
-        for (modes, out) in [
-            (&field.parameter_modes, &mut psi[..]),
-            (&field.axial_modes, &mut axial[..]),
-        ] {
+        let weights = &workspace.weights;
+        let combine = |modes, out: &mut [T]| {
             let modes = MatrixView::new(modes);
-            modes.combine(workspace.weights.iter(), part_mut(out, 0..modes.columns()));
-        }
+            modes.combine(weights.iter(), part_mut(out, 0..modes.columns()));
+        };
+        combine(&field.parameter_modes, psi);
+        combine(&field.axial_modes, axial);
         workspace.prepared = Some(Prepared {
             digest,
             query: *query,

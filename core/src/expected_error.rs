@@ -53,7 +53,7 @@ impl<T: Real> Between<T> {
     }
 
     fn value(&self, at: impl Fn(usize) -> f32) -> T {
-        let [before, after] = [self.lower, self.upper].map(|i| T::from_f32(at(i)));
+        let (before, after) = (T::from_f32(at(self.lower)), T::from_f32(at(self.upper)));
         before + self.share * (after - before)
     }
 }

@@ -144,25 +144,25 @@ impl<T: Real, const M: usize> Window<T, M> {
     fn relate(&mut self, snapshots: [&Snapshot<T, M>; NEAR], rank: usize) {
         let product = |a: &[T; M], b: &[T; M]| product(a, b, rank);
         let [start, others @ ..] = snapshots;
-        for (out, other) in self.alpha.iter_mut().zip(others) {
-            subtract(out, &other.alpha, &start.alpha);
-        }
-        for (out, other) in self.rate.iter_mut().zip(others) {
-            subtract(out, &other.rate, &start.rate);
-        }
-        self.shifts = self.alpha.each_ref().map(|alpha| alpha[0]);
         self.square = product(&start.alpha, &start.alpha);
-        self.starts = self.alpha.each_ref().map(|alpha| product(alpha, &start.alpha));
-        self.products = self
-            .alpha
-            .each_ref()
-            .map(|a| self.alpha.each_ref().map(|b| product(a, b)));
-        let [rise, ..] = &self.alpha;
-        let [change, ..] = &self.rate;
-        self.along = self
-            .alpha
-            .each_ref()
-            .map(|alpha| [rise, &start.rate, change].map(|other| product(alpha, other)));
+        let differences = self.alpha.iter_mut().zip(&mut self.rate);
+        let numbers = self.shifts.iter_mut().zip(&mut self.starts);
+        for (((alpha, rate), (shift, with_start)), other) in differences.zip(numbers).zip(others) {
+            subtract(alpha, &other.alpha, &start.alpha);
+            subtract(rate, &other.rate, &start.rate);
+            (*shift, *with_start) = (alpha[0], product(alpha, &start.alpha));
+        }
+        let ([rise, ..], [change, ..]) = (&self.alpha, &self.rate);
+        for ((alpha, products), along) in self.alpha.iter().zip(&mut self.products).zip(&mut self.along) {
+            for (out, other) in products.iter_mut().zip(&self.alpha) {
+                *out = product(alpha, other);
+            }
+            *along = [
+                product(alpha, rise),
+                product(alpha, &start.rate),
+                product(alpha, change),
+            ];
+        }
         let mut stiffness = T::ZERO;
         for (i, a) in snapshots.iter().enumerate() {
             for b in snapshots.iter().skip(i + 1) {
@@ -297,13 +297,12 @@ impl<T: Real, const M: usize> Manifold<T, M> {
             way = to_rise * rise[k] + to_rate * start.rate[k] + to_change * change[k];
             deviation[k] = alpha[k] - (start.alpha[k] + way);
         }
-        let sides = [
-            window.along.map(|along| dot3(&along, &cubic)),
-            window
-                .alpha
-                .each_ref()
-                .map(|alpha| product(alpha, &deviation, self.rank)),
-        ];
+        let mut sides = [[T::ZERO; OTHERS]; 2];
+        let [at_place, aside] = &mut sides;
+        let differences = window.along.iter().zip(&window.alpha);
+        for ((place, aside), (along, alpha)) in at_place.iter_mut().zip(aside).zip(differences) {
+            (*place, *aside) = (dot3(along, &cubic), product(alpha, &deviation, self.rank));
+        }
         let [mut shares, response] = window.fit(t, sides, [way, deviation[0]]);
         let mut rate = [T::ZERO; M];
         let rate = part_mut(&mut rate, 0..self.rank);
@@ -332,26 +331,29 @@ impl<T: Real, const M: usize> Window<T, M> {
     /// With the products K of the scaled differences, their products k with what is asked for, and the weights W on a
     /// diagonal, the shares s of all snapshots are those of (K + ridge / W) s + mu = k with a sum of 1 at a place and of 0
     /// for a deviation: the dual system of eq. (45), the constant not damped. The first snapshot's own difference is 0,
-    /// so that its equation gives mu.
+    /// so that its equation gives mu. Written out: optimised for size, a map over three numbers is a loop that keeps them in
+    /// memory.
     fn fit(&self, t: T, [place, deviation]: [[T; OTHERS]; 2], [way, aside]: [T; 2]) -> [[T; OTHERS]; 2] {
         let weight = |time| weight((t - time).abs() / self.radius);
         let (first, weights) = (weight(self.ends[0]), self.times.map(weight));
         let sum = first + total(&weights);
-        let (first, weights) = (first / sum, weights.map(|weight| weight / sum));
+        let [p, q, r] = weights;
+        let (first, weights) = (first / sum, [p / sum, q / sum, r / sum]);
 
         let mean = |values: &[T; OTHERS]| dot3(values, &weights);
         let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.products;
-        let middle = mean(&self.products.each_ref().map(mean));
+        let [first_products, second_products, third_products] = &self.products;
+        let middle = mean(&[mean(first_products), mean(second_products), mean(third_products)]);
         let spread = (mean(&[xx, yy, zz]) - middle).max(T::ZERO);
         let shift = mean(&self.shifts);
-        let variance = (mean(&self.shifts.map(|shift| shift * shift)) - shift * shift).max(T::ZERO);
+        let [a, b, c] = self.shifts;
+        let variance = (mean(&[a * a, b * b, c * c]) - shift * shift).max(T::ZERO);
         let start = mean(&self.starts);
         let rest = T::from_f32(REST * REST) * (self.square + start + start + middle);
-        let [scale, shift_scale] = [spread + rest, variance].map(reciprocal);
+        let (scale, shift_scale) = (reciprocal(spread + rest), reciprocal(variance));
         let ridge = T::from_f32(RIDGE) * (scale * spread + shift_scale * variance);
 
-        let [x, y, z] = self.shifts.map(|shift| shift_scale * shift);
-        let [a, b, c] = self.shifts;
+        let [x, y, z] = [shift_scale * a, shift_scale * b, shift_scale * c];
         let damped = |product: T, weight: T| product + ridge / weight.max(T::from_f32(NONE));
         let solve = solve([
             [
@@ -364,13 +366,13 @@ impl<T: Real, const M: usize> Window<T, M> {
         ]);
         let ones = solve([T::ONE; OTHERS]);
         let mu = ridge / (first + ridge * total(&ones));
-        [(place, way, T::ONE), (deviation, aside, T::ZERO)].map(|(products, way, sum)| {
-            let [p, q, r] = products.map(|product| scale * product);
-            let mut shares = solve([p + x * way, q + y * way, r + z * way]);
+        let shares = |[p, q, r]: [T; OTHERS], way: T, sum: T| {
+            let mut shares = solve([scale * p + x * way, scale * q + y * way, scale * r + z * way]);
             let mu = mu * (total(&shares) - sum);
             add_scaled(&mut shares, -mu, &ones);
             shares
-        })
+        };
+        [shares(place, way, T::ONE), shares(deviation, aside, T::ZERO)]
     }
 }
 

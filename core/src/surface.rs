@@ -97,9 +97,13 @@ impl<T: Real> Point<T> {
 
     /// The derivatives of what the nodes of the element know: of positions its two tangents.
     pub(crate) fn derivatives<const W: usize>(&self, nodes: &[[T; W]; 6]) -> [[T; W]; 2] {
-        self.gradient
-            .each_ref()
-            .map(|gradient| core::array::from_fn(|axis| combine(gradient, |i| nodes[i][axis])))
+        let mut derivatives = [[T::ZERO; W]; 2];
+        for (derivative, gradient) in derivatives.iter_mut().zip(&self.gradient) {
+            for (axis, out) in derivative.iter_mut().enumerate() {
+                *out = combine(gradient, |i| nodes[i][axis]);
+            }
+        }
+        derivatives
     }
 }
 

@@ -117,8 +117,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let samples = MatrixView::new(samples);
         column.fill(T::ZERO);
         for (entry, sample) in column.iter_mut().zip(self.samples).take(self.count) {
-            let parameters = [0, 1].map(|d| T::from_f32(samples.get(sample.into(), d)));
-            let apart = coordinates.apart(query.array(), parameters);
+            let parameter = |d| T::from_f32(samples.get(sample.into(), d));
+            let apart = coordinates.apart(query.array(), [parameter(0), parameter(1)]);
             *entry = if apart { T::ONE } else { T::ZERO };
         }
     }

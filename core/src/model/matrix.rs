@@ -75,7 +75,7 @@ impl Units<'_> {
 impl<'a> MatrixView<'a> {
     /// A view of a matrix; entries that its bytes do not hold read as 0.
     pub fn new(matrix: &Matrix<'a>) -> Self {
-        let [rows, columns] = [matrix.rows, matrix.columns].map(|count| count as usize);
+        let (rows, columns) = (matrix.rows as usize, matrix.columns as usize);
         let units = match matrix.encoding {
             Encoding::F32 => 0,
             Encoding::Columns(_) | Encoding::ColumnPanels(_) => columns,

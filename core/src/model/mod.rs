@@ -157,7 +157,7 @@ impl<'a> Model<'a> {
     /// The first parameter that lies outside its sampled range.
     pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
         let within = |(value, range): (&T, &wire::Parameter<'_>)| {
-            let [min, max] = [range.min, range.max].map(T::from_f64);
+            let (min, max) = (T::from_f64(range.min), T::from_f64(range.max));
             let slack = T::from_f64(PARAMETER_TOLERANCE) * min.abs().max(max.abs());
             *value >= min - slack && *value <= max + slack
         };
@@ -210,7 +210,8 @@ fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
     if magic != MAGIC {
         return Err(OpenError::Magic { found: magic });
     }
-    let [version, length, checksum] = [version, length, checksum].map(u32::from_le_bytes);
+    let (version, length) = (u32::from_le_bytes(version), u32::from_le_bytes(length));
+    let checksum = u32::from_le_bytes(checksum);
     if version != VERSION {
         return Err(OpenError::Version {
             found: version,

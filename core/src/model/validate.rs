@@ -50,7 +50,7 @@ impl Judge {
         self.mesh(&contents.mesh);
 
         let times = self.rising("times", &contents.times, 1, 2);
-        let [start, end_time] = [0, times.rows().saturating_sub(1)].map(|row| times.get(row, 0));
+        let (start, end_time) = (times.get(0, 0), times.get(times.rows().saturating_sub(1), 0));
         if start != 0.0 {
             self.number("times", 0, start, "0");
         }
@@ -130,9 +130,9 @@ impl Judge {
             reached = cluster.max;
             self.samples(&cluster.samples, parameters, least as f32);
             self.field(cluster, contents.mesh.sector_reference.rows as usize, end_time);
-            for errors in [&cluster.direct_errors, &cluster.paper_errors] {
-                self.errors(errors, cluster.samples.rows as usize, error_times.rows());
-            }
+            let (samples, instants) = (cluster.samples.rows as usize, error_times.rows());
+            self.errors(&cluster.direct_errors, samples, instants);
+            self.errors(&cluster.paper_errors, samples, instants);
         }
     }
 
@@ -185,7 +185,7 @@ impl Judge {
 
     fn on_unit_sphere(&mut self, what: &'static str, reference: &MatrixView<'_>) {
         for node in 0..reference.rows() {
-            let [x, y, z] = [0, 1, 2].map(|axis| reference.get(node, axis));
+            let [x, y, z] = [reference.get(node, 0), reference.get(node, 1), reference.get(node, 2)];
             let square = x * x + y * y + z * z;
             if (square - 1.0).abs() > 1e-3 {
                 let expected = "a node on the unit sphere (this is its squared radius)";
@@ -232,8 +232,9 @@ impl Judge {
 
     fn field(&mut self, cluster: &Cluster<'_>, nodes: usize, end_time: f32) {
         let (field, samples) = (&cluster.field, cluster.samples.rows as usize);
-        let [modes, columns, axial] =
-            [&field.modes, &field.parameter_modes, &field.axial_controls].map(|matrix| matrix.columns as usize);
+        let columns = |matrix: &Matrix<'_>| matrix.columns as usize;
+        let (modes, axial) = (columns(&field.modes), columns(&field.axial_controls));
+        let columns = columns(&field.parameter_modes);
         self.matrix("modes", &field.modes, [panelled(nodes).saturating_mul(3), modes], ANY);
         self.matrix("parameter modes", &field.parameter_modes, [samples, columns], ANY);
         let controls = self.knots(&field.knots, end_time);
@@ -369,20 +370,15 @@ impl Judge {
         [rows, columns]: [usize; 2],
         [min, max]: [f32; 2],
     ) -> MatrixView<'a> {
-        let found = [matrix.rows, matrix.columns].map(|count| count as usize);
-        if found[0] != rows {
-            self.refuse(OpenError::Rows {
-                what,
-                expected: rows,
-                found: found[0],
-            });
+        let found = matrix.rows as usize;
+        if found != rows {
+            let expected = rows;
+            self.refuse(OpenError::Rows { what, expected, found });
         }
-        if found[1] != columns {
-            self.refuse(OpenError::Columns {
-                what,
-                expected: columns,
-                found: found[1],
-            });
+        let found = matrix.columns as usize;
+        if found != columns {
+            let expected = columns;
+            self.refuse(OpenError::Columns { what, expected, found });
         }
         let (stored, units, coarse) = match matrix.encoding {
             Encoding::F32 => (rows, 0, None),
