@@ -541,7 +541,9 @@ fn reach<T: Real, const N: usize>(
         Method::Paper => &cluster.paper_errors,
     };
     let deviations = MatrixView::new(&errors.deviation);
-    let greatest = (0..deviations.rows()).map(|j| deviations.get(j, 0)).fold(0.0, f32::max);
+    let greatest = (0..deviations.rows())
+        .map(|j| deviations.get(j, 0))
+        .fold(0.0, Real::max);
     let deviation = weights.deviation();
     if deviation <= T::from_f32(greatest) {
         Ok(Domain::Inside)

@@ -88,7 +88,7 @@ struct Window<T, const M: usize> {
     ends: [T; 2],
     /// R of eq. (45).
     radius: T,
-    times: [T; OTHERS],
+    times: [T; NEAR],
     alpha: [[T; M]; OTHERS],
     rate: [[T; M]; OTHERS],
     /// Differences of the translation.
@@ -110,7 +110,7 @@ impl<T: Real, const M: usize> Window<T, M> {
         interval: 0,
         ends: [T::ZERO; 2],
         radius: T::ZERO,
-        times: [T::ZERO; OTHERS],
+        times: [T::ZERO; NEAR],
         alpha: [[T::ZERO; M]; OTHERS],
         rate: [[T::ZERO; M]; OTHERS],
         shifts: [T::ZERO; OTHERS],
@@ -219,22 +219,19 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         }
         let instants = self.window.find(times, width, t);
         let last = times.count() - 1;
-        for instant in instants {
+        for (&instant, time) in instants.iter().zip(&mut self.window.times) {
             let slot = instant % NEAR;
             if self.instants[slot] != Some(instant) {
                 fetch(instant.min(last), &mut self.snapshots[slot]);
                 self.instants[slot] = Some(instant);
             }
-        }
-        let [_, others @ ..] = instants;
-        // What is not stored has no weight.
-        self.window.times = others.map(|instant| {
-            if instant > last {
+            // What is not stored has no weight.
+            *time = if instant > last {
                 T::from_f32(f32::INFINITY)
             } else {
                 times.get(instant)
-            }
-        });
+            };
+        }
         let snapshots = instants.map(|instant| &self.snapshots[instant % NEAR]);
         self.window.relate(snapshots, self.rank);
     }
@@ -335,9 +332,8 @@ impl<T: Real, const M: usize> Window<T, M> {
     /// memory.
     fn fit(&self, t: T, [place, deviation]: [[T; OTHERS]; 2], [way, aside]: [T; 2]) -> [[T; OTHERS]; 2] {
         let weight = |time| weight((t - time).abs() / self.radius);
-        let (first, weights) = (weight(self.ends[0]), self.times.map(weight));
-        let sum = first + total(&weights);
-        let [p, q, r] = weights;
+        let [first, p, q, r] = self.times.map(weight);
+        let sum = first + total(&[p, q, r]);
         let (first, weights) = (first / sum, [p / sum, q / sum, r / sum]);
 
         let mean = |values: &[T; OTHERS]| dot3(values, &weights);

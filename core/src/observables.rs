@@ -65,8 +65,8 @@ impl<T: Real> Extremes<T> {
         let mut extents = [[infinity, -infinity]; 4];
         for node in 0..mesh.nodes() {
             let [x, y, z] = snapshot.node(node)?;
-            for ([least, greatest], value) in extents.iter_mut().zip([x, y, z, (y + z) * half.sqrt()]) {
-                (*least, *greatest) = (least.min(value), greatest.max(value));
+            for ([least, greatest], value) in extents.iter_mut().zip(&[x, y, z, (y + z) * half.sqrt()]) {
+                (*least, *greatest) = (least.min(*value), greatest.max(*value));
             }
         }
         let [[rear, front], y, z, diagonal] = extents;
@@ -128,8 +128,8 @@ impl<T: Real> Outline<T> {
         let mut walk = snapshot.walk();
         for node in nodes.iter() {
             let [x, r] = walk.axial_radial(node, plane)?;
-            for (greatest, value) in outline.greatest.iter_mut().zip([x, -x, r]) {
-                greatest.push(value);
+            for (greatest, value) in outline.greatest.iter_mut().zip(&[x, -x, r]) {
+                greatest.push(*value);
             }
             outline.rear_pole = x;
         }

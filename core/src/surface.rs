@@ -124,16 +124,16 @@ pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
     let mut sums = [T::ZERO; R];
     let share = visit(mesh, &mut |element, points| {
         let mut nodes = [[T::ZERO; W]; 6];
-        for (known, index) in nodes.iter_mut().zip(element) {
-            *known = node(index.into())?;
+        for (known, index) in nodes.iter_mut().zip(&element) {
+            *known = node((*index).into())?;
         }
         let mut own = [T::ZERO; R];
         for point in points {
-            for (own, value) in own.iter_mut().zip(integrand(point, &nodes)) {
-                *own += point.weight * value;
+            for (own, value) in own.iter_mut().zip(&integrand(point, &nodes)) {
+                *own += point.weight * *value;
             }
         }
-        sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        sums.iter_mut().zip(&own).for_each(|(sum, own)| *sum += *own);
         Ok(())
     })?;
     sums.iter_mut().for_each(|sum| *sum *= share);

@@ -58,9 +58,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         self.find(&scaled, samples, query, left_out, N.saturating_sub(ridge_rows));
         let holds = (settings.neighbours as usize).clamp(1, self.count.max(1));
         let radius = T::from_f64(settings.radius) * self.distance(holds);
-        self.count = (0..self.count)
-            .take_while(|j| self.distance(j + 1) < radius || self.distance(j + 1) == T::ZERO)
-            .count();
+        let near = |distance: T| distance < radius || distance == T::ZERO;
+        self.count = (0..self.count).take_while(|j| near(self.distance(j + 1))).count();
         let n = self.count;
         let mut roots = [T::ZERO; N];
         for (j, root) in roots.iter_mut().enumerate().take(n) {

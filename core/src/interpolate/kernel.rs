@@ -116,8 +116,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
     fn beyond(&self, coordinates: &Coordinates<'_>, samples: &Matrix<'_>, query: &Parameters<T>, column: &mut [T; N]) {
         let samples = MatrixView::new(samples);
         column.fill(T::ZERO);
-        for (entry, sample) in column.iter_mut().zip(self.samples).take(self.count) {
-            let parameter = |d| T::from_f32(samples.get(sample.into(), d));
+        for (entry, sample) in column.iter_mut().zip(part(&self.samples, 0..self.count)) {
+            let parameter = |d| T::from_f32(samples.get((*sample).into(), d));
             let apart = coordinates.apart(query.array(), [parameter(0), parameter(1)]);
             *entry = if apart { T::ONE } else { T::ZERO };
         }

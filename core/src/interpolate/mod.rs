@@ -193,11 +193,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
 
     /// The samples that take part and their weights.
     pub fn iter(&self) -> impl Iterator<Item = (usize, T)> + '_ {
-        self.samples
-            .iter()
-            .map(|&sample| usize::from(sample))
-            .zip(self.values)
-            .take(self.count)
+        let placed = part(&self.samples, 0..self.count).iter().zip(&self.values);
+        placed.map(|(&sample, &value)| (sample.into(), value))
     }
 
     /// sum |L_j|: how much noise in the data may grow.

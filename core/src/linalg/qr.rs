@@ -117,8 +117,8 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
         if let Some(first) = self.columns.first() {
             symmetric_times(matrix, first, &mut product);
         }
-        for (entry, product) in entries.iter_mut().zip(product) {
-            entry.product = product;
+        for (entry, product) in entries.iter_mut().zip(&product) {
+            entry.product = *product;
         }
         for k in 0..self.rank {
             let entries = part_mut(&mut entries, k..self.rows);

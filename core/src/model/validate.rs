@@ -80,9 +80,9 @@ impl Judge {
 
         let kernel = &contents.kernel;
         self.at_least_one("neighbours of the kernel", kernel.neighbours);
-        for scale in kernel.scales {
+        for scale in &kernel.scales {
             self.fixed(
-                scale,
+                *scale,
                 &Range {
                     what: "scale of the kernel",
                     min: 1e-9,
@@ -92,9 +92,9 @@ impl Judge {
         }
         let paper = &contents.paper;
         self.at_least_one("neighbours of the diffuse approximation", paper.neighbours);
-        for scale in paper.scales {
+        for scale in &paper.scales {
             self.fixed(
-                scale,
+                *scale,
                 &Range {
                     what: "scale of the diffuse approximation",
                     min: 1e-9,
