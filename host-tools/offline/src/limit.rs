@@ -16,7 +16,8 @@ const BRACKET: f64 = 0.012;
 pub struct SteadyLimit {
     /// a/l
     pub confinement: f64,
-    /// The greatest capillary number with a steady shape.
+    /// The greatest capillary number with a steady shape, or known to lie below the limit as it lies below that of a larger
+    /// capsule.
     pub largest_steady_ca: Option<f64>,
     /// The least capillary number beyond it without one.
     pub smallest_unsteady_ca: Option<f64>,
@@ -30,11 +31,17 @@ pub fn steady_limits(entries: &[Entry]) -> Vec<SteadyLimit> {
     let mut rows: Vec<f64> = entries.iter().map(|e| e.parameters[1]).collect();
     rows.sort_by(f64::total_cmp);
     rows.dedup_by(|a, b| (*a - *b).abs() <= SAME_ROW);
+    // The limit falls with a/l: what has not settled although a larger capsule does at no smaller Ca only takes long.
+    let below_limit = |entry: &Entry| {
+        let settles =
+            |e: &&Entry| e.status.is_steady() && e.parameters.iter().zip(&entry.parameters).all(|(a, b)| a >= b);
+        entries.iter().any(|e| settles(&e))
+    };
     let bracket = |confinement: f64| {
-        let of_row = |steady: bool| {
+        let of_row = |below: bool| {
             let row = entries
                 .iter()
-                .filter(move |e| (e.parameters[1] - confinement).abs() <= SAME_ROW && e.status.is_steady() == steady);
+                .filter(move |e| (e.parameters[1] - confinement).abs() <= SAME_ROW && below_limit(e) == below);
             row.map(|e| e.parameters[0])
         };
         let largest_steady_ca = of_row(true).max_by(f64::total_cmp);
@@ -148,6 +155,9 @@ mod tests {
             entry(0.13, 0.9, Status::Unsteady),
             entry(0.13, 0.8, steady.clone()),
             entry(0.12, 0.95, steady.clone()),
+            // Not settled, but below the limit of larger capsules.
+            entry(0.05, 0.75, steady.clone()),
+            entry(0.055, 0.75, Status::Unsteady),
             entry(0.06, 0.98, steady.clone()),
             entry(0.1, 0.98, Status::Unsteady),
             entry(0.09, 1.0, steady),
@@ -157,9 +167,13 @@ mod tests {
         let rows = steady_limits(&entries);
         let limits: Vec<_> = rows.iter().map(|r| r.limit).collect();
         // Too wide a bracket tells nothing.
-        assert_eq!(limits, [None, Some(0.122), None, None, Some(0.095), None]);
-        assert_eq!(rows[1].smallest_unsteady_ca, Some(0.124));
-        assert_eq!(rows[2].smallest_unsteady_ca, None);
+        assert_eq!(limits, [None, None, Some(0.122), None, None, Some(0.095), None]);
+        assert_eq!(
+            (rows[0].largest_steady_ca, rows[0].smallest_unsteady_ca),
+            (Some(0.055), None)
+        );
+        assert_eq!(rows[2].smallest_unsteady_ca, Some(0.124));
+        assert_eq!(rows[3].smallest_unsteady_ca, None);
         // Steady samples above the line through the limits raise it, those below do not.
         assert_eq!(points(&rows), [[0.8, 0.13], [0.9, 0.122], [0.95, 0.12], [1.0, 0.095]]);
         let curve = curve(&rows);
