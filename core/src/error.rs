@@ -111,10 +111,8 @@ pub enum OpenError {
         /// Greatest value allowed.
         max: f64,
     },
-    /// A sector node that is not its own representative by operation 0.
-    SectorNode {
-        /// Index into the sector.
-        index: usize,
+    /// A node that is not at its place among the sector's images.
+    NoImage {
         /// Full index of the node.
         node: usize,
     },
@@ -188,12 +186,7 @@ impl Display for OpenError {
                 write!(f, "{what}: entry {index} is {value}, expected: {expected}")
             }
             Self::Setting { what, value, min, max } => write!(f, "{what} is {value}, it must be in [{min}, {max}]"),
-            Self::SectorNode { index, node } => {
-                write!(
-                    f,
-                    "sector node {index} is node {node}, which is not its own representative by operation 0"
-                )
-            }
+            Self::NoImage { node } => write!(f, "node {node} is not at its place among the images of the sector"),
             Self::ShortOutline { name } => write!(f, "the node set \"{name}\" has fewer than 3 nodes"),
             Self::DuplicateSample { first, second } => {
                 write!(f, "samples {first} and {second} of a cluster have the same parameters")

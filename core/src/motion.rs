@@ -4,7 +4,7 @@
 //! they are kept, so that an instant beside it costs four multiplications a coefficient.
 
 use crate::Real;
-use crate::linalg::{LANES, dot, part, part_mut};
+use crate::linalg::{IN_PAIRS, LANES, dot, part, part_mut};
 use crate::model::wire::Field;
 use crate::model::{Indices, MatrixView};
 use crate::spline::{ORDER, Splines};
@@ -156,13 +156,29 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         let [coarse_panels, fine_panels] = counts.next().unwrap_or_default();
         let Contracted { psi, .. } = self.contracted;
         let (psi, _) = part(psi, 0..self.coarse.columns()).as_chunks::<1>();
-        let coarse = (coarse..coarse + coarse_panels).map(|panel| (&self.coarse, panel));
-        let fine = (fine..fine + fine_panels).map(|panel| (&self.fine, panel));
-        for ((rows, panel), out) in coarse.chain(fine).zip(out.chunks_mut(LANES)) {
-            let [products] = rows.panel(panel, psi);
-            out.iter_mut().zip(products).for_each(|(out, product)| *out = product);
+        let (coarse_out, out) = out.split_at_mut(out.len().min(LANES * coarse_panels));
+        let fine_out = part_mut(out, 0..out.len().min(LANES * fine_panels));
+        for (rows, first, out) in [(&self.coarse, coarse, coarse_out), (&self.fine, fine, fine_out)] {
+            let width = if IN_PAIRS { 2 * LANES } else { LANES };
+            for (group, out) in out.chunks_mut(width).enumerate() {
+                let panel = first + width / LANES * group;
+                if IN_PAIRS && out.len() > LANES {
+                    products(rows, [panel, panel + 1], psi, out);
+                } else {
+                    products(rows, [panel], psi, out);
+                }
+            }
         }
     }
+}
+
+/// out <- the rows of some panels times a vector.
+#[inline(always)]
+fn products<T: Real, const P: usize>(rows: &MatrixView<'_>, panels: [usize; P], x: &[[T; 1]], out: &mut [T]) {
+    let mut products = [[[T::ZERO; LANES]; 1]; P];
+    rows.panels(panels, x, &mut products);
+    let products = products.as_flattened().as_flattened();
+    out.iter_mut().zip(products).for_each(|(out, product)| *out = *product);
 }
 
 /// How many of the leading coefficients leave no more than a length of the others: the modes are orthonormal, so what is

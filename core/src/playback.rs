@@ -6,8 +6,8 @@
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{LANES, part, part_mut};
-use crate::model::{MatrixView, Mesh, Model, images};
+use crate::linalg::{IN_PAIRS, LANES, in_vectors, part, part_mut};
+use crate::model::{MatrixView, Mesh, Model, components};
 use crate::motion::{Motion, Quantity};
 use crate::reconstruct::{Snapshot, room};
 use crate::spline::ORDER;
@@ -91,17 +91,8 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
             let start = (first + i) % SURFACES * surface;
             part(controls, start..start + surface)
         };
-        let [p, q, r, s] = splines.of(Quantity::Displacement);
-        let [a, b, c, d] = [0, 1, 2, 3].map(control);
-        for ((((out, a), b), c), d) in frame.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            *out = (p * *a + q * *b) + (r * *c + s * *d);
-        }
-        let (x, others) = frame.split_at_mut(surface / 3);
-        x.iter_mut().for_each(|x| *x += translation);
-        let (yz, opposite) = others.split_at_mut(2 * surface / 3);
-        opposite.iter_mut().zip(&*yz).for_each(|(opposite, x)| *opposite = -*x);
-        // Without a way out the loop is done in vectors.
-        if !frame.iter().fold(true, |finite, x| finite & x.is_finite()) {
+        let weights = splines.of(Quantity::Displacement);
+        if !combine(weights, [0, 1, 2, 3].map(control), translation, frame) {
             return Err(EvaluateError::NotFinite);
         }
         mirror(&model.mesh(), frame, out);
@@ -144,24 +135,58 @@ fn coefficients<T: Real, const K: usize>(
 /// Computes a group of surfaces.
 fn compute<T: Real>(snapshot: &Snapshot<'_, '_, T, ORDER>, surfaces: &mut [T], surface: usize) {
     let panels = snapshot.mesh.panels();
-    for place in 0..3 * panels {
-        let values = snapshot.panel(place % panels, place / panels);
-        for (values, surface) in values.iter().zip(surfaces.chunks_exact_mut(surface)) {
-            part_mut(surface, LANES * place..LANES * (place + 1)).copy_from_slice(values);
+    let mut places = (0..3).flat_map(|axis| (0..panels).map(move |panel| (axis, panel)));
+    while let Some(first) = places.next() {
+        match if IN_PAIRS { places.next() } else { None } {
+            Some(second) => compute_panels(snapshot, [first, second], surfaces, surface),
+            None => compute_panels(snapshot, [first], surfaces, surface),
         }
     }
+}
+
+#[inline(always)]
+fn compute_panels<T: Real, const P: usize>(
+    snapshot: &Snapshot<'_, '_, T, ORDER>,
+    places: [(usize, usize); P],
+    surfaces: &mut [T],
+    surface: usize,
+) {
+    for ((axis, panel), values) in places.into_iter().zip(snapshot.panels(places)) {
+        let first = LANES * (axis * snapshot.mesh.panels() + panel);
+        for (values, surface) in values.iter().zip(surfaces.chunks_exact_mut(surface)) {
+            part_mut(surface, first..first + LANES).copy_from_slice(values);
+        }
+    }
+}
+
+/// frame <- a combination of surfaces, moved along x, and -y and -z of it. Says whether all is finite.
+fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], translation: T, frame: &mut [T]) -> bool {
+    in_vectors(
+        #[inline(always)]
+        || {
+            for ((((out, a), b), c), d) in frame.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *out = (p * *a + q * *b) + (r * *c + s * *d);
+            }
+            let (x, others) = frame.split_at_mut(a.len() / 3);
+            x.iter_mut().for_each(|x| *x += translation);
+            let (yz, opposite) = others.split_at_mut(2 * x.len());
+            opposite.iter_mut().zip(&*yz).for_each(|(opposite, x)| *opposite = -*x);
+            // Without a way out the loop is done in vectors.
+            frame.iter().fold(true, |finite, x| finite & x.is_finite())
+        },
+    )
 }
 
 /// Carries the sector's nodes to all nodes. `sector` holds x, y, z, -y and -z, so that an operation is a choice of two of them.
 fn mirror<T: Real>(mesh: &Mesh<'_>, sector: &[T], out: &mut [[T; 3]]) {
     let stride = LANES * mesh.panels();
-    let places: [[usize; 2]; 8] = core::array::from_fn(|operation| {
-        images(operation as u8).map(|(axis, opposite)| stride * if opposite { axis + 2 } else { axis })
-    });
-    for ((node, operation), out) in mesh.origins().zip(out) {
-        let [y, z] = places[usize::from(operation % 8)];
-        if let (Some(x), Some(y), Some(z)) = (sector.get(node), sector.get(y + node), sector.get(z + node)) {
-            *out = [*x, *y, *z];
+    let values = |place: usize| part(sector, stride * place..stride * (place + 1));
+    for (operation, images) in mesh.images() {
+        let [y, z] = components(operation).map(|(axis, opposite)| values(if opposite { axis + 2 } else { axis }));
+        for (((image, x), y), z) in images.iter().zip(values(0)).zip(y).zip(z) {
+            if let Some(out) = out.get_mut(image) {
+                *out = [*x, *y, *z];
+            }
         }
     }
 }

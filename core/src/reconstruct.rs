@@ -1,8 +1,8 @@
 //! From coefficients to vectors at the nodes, for the asked nodes only.
 
 use crate::error::EvaluateError;
-use crate::linalg::LANES;
-use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, apply, images};
+use crate::linalg::{IN_PAIRS, LANES};
+use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, apply};
 use crate::{Nodes, Real};
 
 /// A field: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation; or `B` of them, which share
@@ -46,13 +46,17 @@ impl Plane {
 }
 
 impl<T: Real, const B: usize> Snapshot<'_, '_, T, B> {
-    /// A component at the sector's nodes of a panel.
-    pub(crate) fn panel(&self, panel: usize, axis: usize) -> [Lanes<T>; B] {
-        let mut values = self.modes.panel(axis * self.mesh.panels() + panel, self.coefficients);
-        let nodes = self.mesh.sector_panel(panel);
-        for values in &mut values {
-            for (value, node) in values.iter_mut().zip(nodes) {
-                *value += self.rest(node, axis);
+    /// Some components, each at the sector's nodes of a panel: pairs (axis, panel).
+    pub(crate) fn panels<const P: usize>(&self, places: [(usize, usize); P]) -> [[Lanes<T>; B]; P] {
+        let rows = places.map(|(axis, panel)| axis * self.mesh.panels() + panel);
+        let mut values = [[[T::ZERO; LANES]; B]; P];
+        self.modes.panels(rows, self.coefficients, &mut values);
+        for (values, (axis, panel)) in values.iter_mut().zip(places) {
+            let nodes = self.mesh.sector_panel(panel);
+            for values in values {
+                for (value, node) in values.iter_mut().zip(nodes) {
+                    *value += self.rest(node, axis);
+                }
             }
         }
         values
@@ -121,22 +125,19 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
     /// Carries the sector's nodes, in their places of the full mesh, to all nodes.
     fn mirror(&self, out: &mut [[T; 3]]) {
         let sector = self.mesh.sector_nodes();
-        let signs = |(axis, opposite)| (axis, if opposite { -T::ONE } else { T::ONE });
-        let images: [[(usize, T); 2]; 8] = core::array::from_fn(|operation| images(operation as u8).map(signs));
-        for (node, (representative, operation)) in self.mesh.origins().enumerate() {
-            // Validation found a representative for every node and a full node for every representative.
-            let vector = sector.get(representative).and_then(|origin| out.get(origin));
-            let Some(vector) = vector.copied() else { continue };
-            let [(y, sign_y), (z, sign_z)] = images[usize::from(operation % 8)];
-            if let Some(out) = out.get_mut(node) {
-                *out = [vector[0], sign_y * vector[y % 3], sign_z * vector[z % 3]];
+        for (operation, images) in self.mesh.images().skip(1) {
+            for (node, image) in sector.iter().zip(images.iter()) {
+                let vector = out.get(node).copied();
+                if let (Some(vector), Some(out)) = (vector, out.get_mut(image)) {
+                    *out = apply(operation, vector);
+                }
             }
         }
     }
 
     /// The vectors at the sector's nodes of a panel.
     fn vectors(&self, panel: usize) -> [[T; 3]; LANES] {
-        let [[x], [y], [z]] = [0, 1, 2].map(|axis| self.panel(panel, axis));
+        let [[x], [y], [z]] = self.panels([0, 1, 2].map(|axis| (axis, panel)));
         core::array::from_fn(|lane| [x[lane], y[lane], z[lane]])
     }
 
@@ -180,17 +181,30 @@ pub(crate) struct Walk<'f, 'a, 's, T> {
 }
 
 impl<T: Real> Walk<'_, '_, '_, T> {
-    /// A component at a sector node.
+    /// A component at a sector node. That of the next axis is computed with it where it costs little.
     fn component(&mut self, sector_node: usize, axis: usize) -> T {
         let panel = sector_node / LANES;
-        let Some((known, lanes)) = self.known.get_mut(axis) else {
-            return T::ZERO;
-        };
-        if *known != panel {
-            [*lanes] = self.field.panel(panel, axis);
-            *known = panel;
+        let known = self.known.get(axis).map(|(known, _)| *known);
+        if known != Some(panel) {
+            if IN_PAIRS && axis < 2 {
+                self.compute(panel, [axis, axis + 1]);
+            } else {
+                self.compute(panel, [axis]);
+            }
         }
-        lanes[sector_node % LANES]
+        self.known
+            .get(axis)
+            .map_or(T::ZERO, |(_, lanes)| lanes[sector_node % LANES])
+    }
+
+    #[inline(always)]
+    fn compute<const P: usize>(&mut self, panel: usize, axes: [usize; P]) {
+        let values = self.field.panels(axes.map(|axis| (axis, panel)));
+        for (axis, [lanes]) in axes.into_iter().zip(values) {
+            if let Some(known) = self.known.get_mut(axis) {
+                *known = (panel, lanes);
+            }
+        }
     }
 
     /// The vector at a node: the bits are those of [`Snapshot::node`].
@@ -209,6 +223,7 @@ impl<T: Real> Walk<'_, '_, '_, T> {
     /// As [`Snapshot::node`].
     pub(crate) fn axial_radial(&mut self, node: usize, plane: Plane) -> Result<[T; 2], EvaluateError> {
         let (representative, operation) = self.field.origin(node)?;
+        let x = self.component(representative, 0);
         let radius = match plane {
             // The mirror plane holds its nodes: what is across it is 0.
             Plane::Mirror => self
@@ -220,7 +235,7 @@ impl<T: Real> Walk<'_, '_, '_, T> {
                 (y * y + z * z).sqrt()
             }
         };
-        let [x, radius, _] = finite([self.component(representative, 0), radius, T::ZERO])?;
+        let [x, radius, _] = finite([x, radius, T::ZERO])?;
         Ok([x, radius])
     }
 }

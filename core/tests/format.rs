@@ -42,7 +42,7 @@ fn what_was_written_is_read_in_place() {
         blobs += 1;
     };
     same(&read.mesh.elements, &contents.mesh.elements);
-    same(&read.mesh.operation, &contents.mesh.operation);
+    same(&read.mesh.operations, &contents.mesh.operations);
     same(&read.times.blob, &contents.times.blob);
     for (a, b) in read.clusters.iter().zip(&contents.clusters) {
         same(&a.samples.blob, &b.samples.blob);
@@ -116,10 +116,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 6);
-    assert_eq!(newer, OpenError::Version { found: 6, supported: 5 });
+    let newer = open(&|file| file[4] = 7);
+    assert_eq!(newer, OpenError::Version { found: 7, supported: 6 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 5 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 6 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -195,11 +195,13 @@ fn wrong_dimensions_are_refused() {
     rows("deviations")(refused(|c| c.clusters[0].paper_errors.deviation.rows = 2));
     columns("steady limit")(refused(|c| c.steady_limit.columns = 3));
     dimension("nodes")(refused(|c| c.mesh.nodes = 1 << 17));
+    dimension("images that are nodes")(refused(|c| c.mesh.nodes += 1));
+    dimension("operations")(refused(|c| c.mesh.operations.data = &[]));
     let length = |error| assert!(matches!(error, OpenError::Length { .. }), "{error}");
-    length(refused(|c| c.mesh.nodes += 1));
-    length(refused(|c| c.mesh.operation.data = &c.mesh.operation.data[1..]));
+    length(refused(|c| c.mesh.origins.data = &c.mesh.origins.data[2..]));
+    length(refused(|c| c.mesh.operations.data = &c.mesh.operations.data[..7]));
     length(refused(|c| c.mesh.elements.data = &c.mesh.elements.data[2..]));
-    length(refused(|c| c.mesh.sector_nodes.data = &c.mesh.sector_nodes.data[2..]));
+    length(refused(|c| c.mesh.images.data = &c.mesh.images.data[2..]));
     length(refused(|c| c.times.rows = u32::MAX));
     length(refused(|c| c.clusters[0].field.modes.blob.data = &[0; 4]));
     length(refused(|c| c.clusters[0].field.slices.data = &[0; 4]));
@@ -271,6 +273,9 @@ fn wrong_numbers_are_refused() {
     number("deviations")(refused(|c| {
         c.clusters[0].paper_errors.deviation = changed(&c.clusters[0].paper_errors.deviation, 0, 0.0);
     }));
+    number("samples")(refused(|c| {
+        c.clusters[0].samples = changed(&c.clusters[0].samples, 1, 5.0);
+    }));
     let duplicate = refused(|c| {
         let samples = MatrixView::new(&c.clusters[0].samples);
         let first = changed(&c.clusters[0].samples, 2, samples.get(0, 0));
@@ -295,14 +300,15 @@ fn wrong_indices_sets_and_settings_are_refused() {
         Blob::new(bytes.leak())
     };
     index("elements")(refused(|c| c.mesh.elements = set(&c.mesh.elements, 1, 1)));
-    index("representatives")(refused(|c| c.mesh.representative = set(&c.mesh.representative, 1, 1)));
-    index("sector nodes")(refused(|c| c.mesh.sector_nodes = set(&c.mesh.sector_nodes, 1, 1)));
-    index("operations")(refused(|c| c.mesh.operation = set(&c.mesh.operation, 0, 8)));
+    index("origins")(refused(|c| c.mesh.origins = set(&c.mesh.origins, 1, 255)));
+    index("images")(refused(|c| c.mesh.images = set(&c.mesh.images, 1, 255)));
+    index("operations")(refused(|c| c.mesh.operations = set(&c.mesh.operations, 7, 8)));
+    index("operations")(refused(|c| c.mesh.operations = set(&c.mesh.operations, 0, 1)));
     index("node sets")(refused(|c| {
         c.mesh.node_sets[1].nodes = set(&c.mesh.node_sets[1].nodes, 1, 1)
     }));
-    let wrong = refused(|c| c.mesh.sector_nodes = set(&c.mesh.sector_nodes, 2, c.mesh.sector_nodes.data[0]));
-    assert!(matches!(wrong, OpenError::SectorNode { index: 1, .. }));
+    let wrong = refused(|c| c.mesh.images = set(&c.mesh.images, 2, c.mesh.images.data[0]));
+    assert!(matches!(wrong, OpenError::NoImage { .. }), "{wrong}");
     assert_eq!(
         refused(|c| c.mesh.node_sets[0].nodes.data = &[0; 4]),
         OpenError::ShortOutline { name: "midplane" }

@@ -113,7 +113,7 @@ impl Reason for OpenError {
             Self::Index { what, value, bound, .. } => failure.counts(Status::Inconsistent, what, [value, 0, bound]),
             Self::Number { what, value, .. } => failure.numbers(Status::Inconsistent, what, [value, 0.0, 0.0]),
             Self::Setting { what, value, min, max } => failure.figures(Status::Inconsistent, what, [value, min, max]),
-            Self::SectorNode { node, .. } => failure.counts(Status::Inconsistent, "sector nodes", [node, 0, 0]),
+            Self::NoImage { node } => failure.counts(Status::Inconsistent, "images", [node, 0, 0]),
             Self::ShortOutline { name } => failure.counts(Status::Inconsistent, name, [0; 3]),
             Self::DuplicateSample { second, .. } => failure.counts(Status::Inconsistent, "samples", [second, 0, 0]),
             _ => Status::Other.tell(failure),

@@ -52,8 +52,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         variance: T::ZERO,
     };
 
-    /// Takes the `wanted` samples nearest to a query, in order of distance. Samples may come in any order; the search is
-    /// quick where they come in rows of the same last parameter, and these in order.
+    /// Takes the `wanted` samples nearest to a query, in order of distance, out of samples by rising last parameter.
     #[inline(never)]
     fn find(
         &mut self,
@@ -81,7 +80,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 [start, middle]
             };
         }
-        // From there on both ways, the nearer first: soon most are farther than all that are kept.
+        // From there on both ways, the nearer first, until all that follow are farther than all that are kept.
         let (scale, own) = (around.scale(), around.last());
         let along = |sample: usize| {
             let difference = scale * (place(sample) - own);
@@ -103,7 +102,10 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 *down = if below > 0 { along(below - 1) } else { none };
                 taken
             };
-            if distance >= nearest.limit() || Some(sample) == left_out {
+            if distance >= nearest.limit() {
+                break;
+            }
+            if Some(sample) == left_out {
                 continue;
             }
             let stored = part(numbers, sample * dimensions..(sample + 1) * dimensions);

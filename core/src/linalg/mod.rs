@@ -6,7 +6,7 @@ mod qr;
 mod vectors;
 
 pub(crate) use qr::{MOST_COLUMNS, Qr, symmetric_times};
-pub(crate) use vectors::in_vectors;
+pub(crate) use vectors::{IN_PAIRS, in_vectors};
 
 use crate::Real;
 use core::ops::Range;
@@ -39,6 +39,30 @@ pub(crate) fn add_panel<E: Copy, T: Real, const B: usize>(
     for (entries, x) in panel.iter().zip(x) {
         for (sums, x) in sums.iter_mut().zip(x) {
             *sums = add_column(*sums, entries, *x, &value);
+        }
+    }
+    *lanes = sums;
+}
+
+/// As [`add_panel`] for several panels at a time, which have as many columns: a sum waits for the one before, and meanwhile
+/// those of the other panels go on.
+#[inline(always)]
+pub(crate) fn add_panels<E: Copy, T: Real, const B: usize, const P: usize>(
+    panels: [&[[E; LANES]]; P],
+    x: &[[T; B]],
+    value: impl Fn(E) -> T,
+    lanes: &mut [[[T; LANES]; B]; P],
+) {
+    // One length for all, so that the loop looks at one.
+    let count = panels.iter().fold(x.len(), |count, panel| count.min(panel.len()));
+    let (panels, x) = (panels.map(|panel| part(panel, 0..count)), part(x, 0..count));
+    let mut sums = *lanes;
+    for (column, x) in x.iter().enumerate() {
+        for (sums, panel) in sums.iter_mut().zip(panels) {
+            let Some(entries) = panel.get(column) else { continue };
+            for (sums, x) in sums.iter_mut().zip(x) {
+                *sums = add_column(*sums, entries, *x, &value);
+            }
         }
     }
     *lanes = sums;

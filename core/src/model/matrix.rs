@@ -2,7 +2,8 @@
 
 use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{LANES, add_by, add_panel, in_vectors, part};
+use crate::linalg::{IN_PAIRS, LANES, add_by, add_panel, add_panels, in_vectors, part};
+use core::ops::Range;
 
 /// A stored matrix; the bytes need not be aligned.
 #[derive(Clone, Copy, Debug)]
@@ -218,40 +219,83 @@ impl<'a> MatrixView<'a> {
         self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
     }
 
-    /// The eight rows of a panel times some [scaled](Self::scale) vectors, over as many columns as these have; `x` holds
-    /// the vectors' first entries, then their second ones ...
-    #[inline(never)]
-    pub(crate) fn panel<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]]) -> [[T; LANES]; B] {
-        in_vectors(
-            #[inline(always)]
-            || self.products(panel, x),
-        )
+    /// products <- the eight rows of each of some panels times some [scaled](Self::scale) vectors, over as many columns as these
+    /// have; `x` holds the vectors' first entries, then their second ones ... A panel's bits do not depend on the others.
+    #[inline(always)]
+    pub(crate) fn panels<T: Real, const B: usize, const P: usize>(
+        &self,
+        panels: [usize; P],
+        x: &[[T; B]],
+        products: &mut [[[T; LANES]; B]; P],
+    ) {
+        if let Entries::Panels(integers) = self.entries
+            && IN_PAIRS
+        {
+            self.side_by_side(&integers, panels, x, products);
+        } else {
+            for (panel, products) in panels.into_iter().zip(products) {
+                self.panel(panel, x, products);
+            }
+        }
     }
 
-    #[inline(always)]
-    fn products<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]]) -> [[T; LANES]; B] {
-        let mut sums = [[T::ZERO; LANES]; B];
+    #[inline(never)]
+    fn panel<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]], products: &mut [[T; LANES]; B]) {
+        *products = [[T::ZERO; LANES]; B];
         if let Entries::Panels(integers) = self.entries {
             let (shorts, small) = integers.panel(panel, self.columns);
             let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
-            add_panel(shorts, leading, |entry| T::from_f32(short(entry)), &mut sums);
-            add_panel(small, trailing, |entry| T::from_f32(self::small(entry)), &mut sums);
+            add_panel(shorts, leading, |entry| T::from_f32(short(entry)), products);
+            add_panel(small, trailing, |entry| T::from_f32(self::small(entry)), products);
         } else {
             for (column, x) in x.iter().enumerate() {
                 let entries = core::array::from_fn(|lane| self.entry(LANES * panel + lane, column));
-                add_panel(&[entries], &[*x], T::from_f32, &mut sums);
+                add_panel(&[entries], &[*x], T::from_f32, products);
             }
         }
+        self.scale_rows(panel, products);
+    }
+
+    #[inline(never)]
+    fn side_by_side<T: Real, const B: usize, const P: usize>(
+        &self,
+        integers: &Integers<'_>,
+        panels: [usize; P],
+        x: &[[T; B]],
+        products: &mut [[[T; LANES]; B]; P],
+    ) {
+        *products = in_vectors(
+            #[inline(always)]
+            || {
+                let mut sums = [[[T::ZERO; LANES]; B]; P];
+                let parts = panels.map(|panel| integers.panel(panel, self.columns));
+                let (shorts, small) = (parts.map(|(shorts, _)| shorts), parts.map(|(_, small)| small));
+                let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
+                add_panels(shorts, leading, |entry| T::from_f32(short(entry)), &mut sums);
+                add_panels(small, trailing, |entry| T::from_f32(self::small(entry)), &mut sums);
+                sums
+            },
+        );
+        for (panel, products) in panels.into_iter().zip(products) {
+            self.scale_rows(panel, products);
+        }
+    }
+
+    /// Products with a panel times the units of its rows, where they have any.
+    #[inline(always)]
+    fn scale_rows<T: Real, const B: usize>(&self, panel: usize, products: &mut [[T; LANES]; B]) {
         if let Units::OfRows(_) = self.units {
             let units: [T; LANES] = core::array::from_fn(|lane| {
                 let unit = self.units.of_row(LANES * panel + lane);
                 T::from_f32(unit.unwrap_or(0.0))
             });
-            for sums in &mut sums {
-                sums.iter_mut().zip(units).for_each(|(sum, unit)| *sum *= unit);
+            for products in products {
+                products
+                    .iter_mut()
+                    .zip(units)
+                    .for_each(|(product, unit)| *product *= unit);
             }
         }
-        sums
     }
 
     /// out <- the sum of rows times factors.
@@ -298,6 +342,11 @@ impl<'a> Indices<'a> {
     /// A view of a blob of little-endian u16.
     pub fn new(blob: &Blob<'a>) -> Self {
         Self(blob.data.as_chunks().0)
+    }
+
+    /// Those in a range; none where there are not as many.
+    pub(super) fn part(&self, range: Range<usize>) -> Self {
+        Self(part(self.0, range))
     }
 
     /// Number of indices.
@@ -400,15 +449,18 @@ mod tests {
                 let plain: [Vec<f64>; 3] =
                     [0.5, -3.0, 1e-3].map(|first| (0..columns).map(|k| first + k as f64).collect());
                 let interleaved: Vec<[f64; 3]> = (0..columns).map(|k| vectors.each_ref().map(|x| x[k])).collect();
-                for panel in 0..2 {
-                    let together = view.panel(panel, &interleaved);
+                let mut together = [[[0.0; LANES]; 3]; 2];
+                view.panels([0, 1], &interleaved, &mut together);
+                for (panel, together) in together.iter().enumerate() {
                     for lane in 0..LANES {
                         let row = LANES * panel + lane;
                         for b in 0..3 {
                             let exact: f64 = entries.get(row).map_or(0.0, |entries| {
                                 entries.iter().zip(&plain[b]).map(|(entry, x)| entry * x).sum()
                             });
-                            let [alone] = view.panel(panel, vectors[b].as_chunks::<1>().0);
+                            let mut products = [[[0.0; LANES]; 1]];
+                            view.panels([panel], vectors[b].as_chunks::<1>().0, &mut products);
+                            let [[alone]] = products;
                             assert!((together[b][lane] - exact).abs() <= 1e-9, "{encoding:?} {row}");
                             assert_eq!([alone[lane], view.dot(row, &vectors[b])], [together[b][lane]; 2]);
                         }

@@ -6,7 +6,7 @@ use crate::linalg::LANES;
 
 /// Of which components of the sector node's vector the y and the z of a node are, and whether with the opposite sign: swap y
 /// and z (bit 2), then y -> -y (bit 0) and z -> -z (bit 1).
-pub(crate) fn images(operation: u8) -> [(usize, bool); 2] {
+pub(crate) fn components(operation: u8) -> [(usize, bool); 2] {
     let [y, z] = if operation & 4 == 0 { [1, 2] } else { [2, 1] };
     [(y, operation & 1 != 0), (z, operation & 2 != 0)]
 }
@@ -31,9 +31,10 @@ pub struct Mesh<'a> {
     element_nodes: usize,
     elements: Indices<'a>,
     sector_reference: &'a [[[u8; 4]; 3]],
-    sector_nodes: Indices<'a>,
-    representative: Indices<'a>,
-    operation: &'a [u8],
+    sector: usize,
+    operations: &'a [u8],
+    images: Indices<'a>,
+    origins: Indices<'a>,
 }
 
 impl<'a> Mesh<'a> {
@@ -43,9 +44,10 @@ impl<'a> Mesh<'a> {
             element_nodes: mesh.element_nodes.into(),
             elements: Indices::new(&mesh.elements),
             sector_reference: mesh.sector_reference.blob.data.as_chunks().0.as_chunks().0,
-            sector_nodes: Indices::new(&mesh.sector_nodes),
-            representative: Indices::new(&mesh.representative),
-            operation: mesh.operation.data,
+            sector: mesh.sector_reference.rows as usize,
+            operations: mesh.operations.data,
+            images: Indices::new(&mesh.images),
+            origins: Indices::new(&mesh.origins),
         }
     }
 
@@ -81,22 +83,31 @@ impl<'a> Mesh<'a> {
 
     /// Full indices of the sector's nodes.
     pub fn sector_nodes(&self) -> Indices<'a> {
-        self.sector_nodes
+        self.row(0)
     }
 
     /// Sector node and operation of a full node, if there is such a node.
     pub fn origin(&self, node: usize) -> Option<(usize, u8)> {
-        Some((self.representative.get(node)?, *self.operation.get(node)?))
+        let place = self.origins.get(node)?;
+        let row = place.checked_div(self.sector)?;
+        Some((place - row * self.sector, *self.operations.get(row)?))
     }
 
-    /// Those of all full nodes.
-    pub(crate) fn origins(&self) -> impl Iterator<Item = (usize, u8)> + use<'a> {
-        self.representative.iter().zip(self.operation.iter().copied())
+    /// The operations, the identity first, and the full indices of the nodes to which each takes the sector's; no node's index
+    /// where an operation before it takes one there.
+    pub(crate) fn images(&self) -> impl Iterator<Item = (u8, Indices<'a>)> + use<'a> {
+        let mesh = *self;
+        let operations = self.operations.iter().enumerate();
+        operations.map(move |(row, operation)| (*operation, mesh.row(row)))
+    }
+
+    fn row(&self, row: usize) -> Indices<'a> {
+        self.images.part(row * self.sector..(row + 1) * self.sector)
     }
 
     /// Panels of eight that the sector's nodes fill.
     pub(crate) fn panels(&self) -> usize {
-        self.sector_nodes.len().div_ceil(LANES)
+        self.sector.div_ceil(LANES)
     }
 
     /// Reference position of a sector node, see [`wire::Reference`]; 0 where there is none.

@@ -16,7 +16,7 @@ pub use curve::Curve;
 pub use encode::encode;
 pub use matrix::{Indices, MatrixView};
 pub use mesh::Mesh;
-pub(crate) use mesh::{apply, images};
+pub(crate) use mesh::{apply, components};
 
 use crate::error::OpenError;
 use crate::{Domain, Parameters, Real};
@@ -32,7 +32,7 @@ pub const MIDPLANE: &str = "midplane";
 pub const DIAGONAL: &str = "diagonal";
 
 const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const HEADER_LENGTH: usize = 16;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 

@@ -44,7 +44,7 @@ parts! {
     Units<'a> { length, velocity, time }
     Parameter<'a> { name, min, max }
     Mesh<'a> {
-        nodes, element_nodes, elements, reference, sector_reference, sector_nodes, representative, operation, node_sets
+        nodes, element_nodes, elements, reference, sector_reference, operations, images, origins, node_sets
     }
     NodeSet<'a> { name, nodes }
     Cluster<'a> {

@@ -14,8 +14,8 @@ const ANY: [f32; 2] = [-LARGEST, LARGEST];
 const POSITIVE: [f32; 2] = [0.0, LARGEST];
 /// Order of the cubic splines.
 const ORDER: usize = 4;
-/// The largest mesh that u16 indices can number.
-const MOST_NODES: usize = 1 << 16;
+/// The largest mesh that u16 indices can number, and one is left that says that there is no node.
+const MOST_NODES: usize = u16::MAX as usize;
 
 /// Judges the contents of a model.
 pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
@@ -154,18 +154,7 @@ impl Judge {
                 },
             ),
         }
-        let representative = self.indices("representatives", &mesh.representative, nodes, sector);
-        self.length("operations", &mesh.operation, nodes);
-        for (index, &operation) in mesh.operation.data.iter().enumerate() {
-            self.index("operations", index, operation.into(), 8);
-        }
-        let sector_nodes = self.indices("sector nodes", &mesh.sector_nodes, sector, nodes);
-        for (index, node) in sector_nodes.iter().enumerate() {
-            let itself = representative.get(node) == Some(index) && mesh.operation.data.get(node) == Some(&0);
-            if !itself {
-                self.refuse(OpenError::SectorNode { index, node });
-            }
-        }
+        self.images(mesh, nodes, sector);
         let element_nodes = usize::from(mesh.element_nodes);
         if element_nodes != 3 {
             self.count("nodes of an element", 6, element_nodes);
@@ -179,6 +168,31 @@ impl Judge {
             let short = |set: &NodeSet<'_>| set.name == name && set.nodes.data.len() < 6;
             if mesh.node_sets.iter().any(short) {
                 self.refuse(OpenError::ShortOutline { name });
+            }
+        }
+    }
+
+    /// Every node is an image of one sector node, by one operation; a sector node is its own by the identity.
+    fn images(&mut self, mesh: &Mesh<'_>, nodes: usize, sector: usize) {
+        let operations = mesh.operations.data;
+        self.count("operations", operations.len().clamp(1, 8), operations.len());
+        for (index, &operation) in operations.iter().enumerate() {
+            self.index("operations", index, operation.into(), if index == 0 { 1 } else { 8 });
+        }
+        self.length("images", &mesh.images, 2 * operations.len() * sector);
+        if self.found.is_err() {
+            return;
+        }
+        let images = Indices::new(&mesh.images);
+        for (index, node) in images.iter().take(sector).enumerate() {
+            self.index("images", index, node, nodes);
+        }
+        let count = images.iter().filter(|node| *node < nodes).count();
+        self.count("images that are nodes", nodes, count);
+        let origins = self.indices("origins", &mesh.origins, nodes, images.len());
+        for (node, place) in origins.iter().enumerate() {
+            if images.get(place) != Some(node) {
+                self.refuse(OpenError::NoImage { node });
             }
         }
     }
@@ -199,12 +213,16 @@ impl Judge {
         self.count("samples", rows.clamp(1, MOST_SAMPLES), rows);
         let samples = self.matrix("samples", stored, [rows, parameters], [least, LARGEST]);
         self.singles("samples", stored);
-        let same = |first, second| (1..parameters).all(|d| samples.get(first, d) == samples.get(second, d));
-        for second in 0..samples.rows() {
-            // Most differ in the first parameter.
-            let value = samples.get(second, 0);
-            let earlier = (0..second).find(|&first| samples.get(first, 0) == value && same(first, second));
-            if let Some(first) = earlier {
+        let last = parameters.saturating_sub(1);
+        let place = |sample| samples.get(sample, last);
+        for second in 1..samples.rows() {
+            if place(second) < place(second - 1) {
+                let expected = "no less than the last parameter of the sample before";
+                self.number("samples", second * parameters + last, place(second), expected);
+            }
+            let mut beside = (0..second).rev().take_while(|&first| place(first) == place(second));
+            let same = |first: &usize| (0..last).all(|d| samples.get(*first, d) == samples.get(second, d));
+            if let Some(first) = beside.find(same) {
                 return self.refuse(OpenError::DuplicateSample { first, second });
             }
         }

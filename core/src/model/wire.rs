@@ -107,13 +107,14 @@ pub struct Mesh<'a> {
     pub reference: Reference,
     /// Reference nodes of the sector `[N_s, 3]`.
     pub sector_reference: Matrix<'a>,
-    /// `u16 [N_s]`: full index of each sector node.
-    pub sector_nodes: Blob<'a>,
-    /// `u16 [N_x]`: sector node (index into the sector) that represents each full node.
-    pub representative: Blob<'a>,
-    /// `u8 [N_x]`: operation 0..8 that carries the representative to the node. Bit 2: swap y and z (first); bit 0:
-    /// y -> -y; bit 1: z -> -z. A sector node's own operation is 0.
-    pub operation: Blob<'a>,
+    /// `u8 [G]`: the operations 0..8 to which the mesh is symmetric, the first of them 0. Bit 2: swap y and z (first); bit 0:
+    /// y -> -y; bit 1: z -> -z.
+    pub operations: Blob<'a>,
+    /// `u16 [G, N_s]`: the full node to which each operation takes each sector node; 65535 where an operation before it
+    /// does already. So every full node is named once, and the first row holds the sector's own full indices.
+    pub images: Blob<'a>,
+    /// `u16 [N_x]`: the place of each full node in `images`, row times N_s plus sector node.
+    pub origins: Blob<'a>,
     /// Named lists of nodes, such as [`MIDPLANE`](super::MIDPLANE) and [`DIAGONAL`](super::DIAGONAL) where the mesh has
     /// nodes in these planes.
     pub node_sets: Vec<NodeSet<'a>, MAX_NODE_SETS>,
@@ -150,7 +151,7 @@ pub struct Cluster<'a> {
     pub min: f64,
     /// Its greatest value.
     pub max: f64,
-    /// Samples `[N_c, P]`: rows of parameters, all different.
+    /// Samples `[N_c, P]`: rows of parameters, all different, by rising last parameter.
     #[serde(borrow)]
     pub samples: Matrix<'a>,
     /// Displacement and velocity.

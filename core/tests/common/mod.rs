@@ -117,6 +117,24 @@ impl Sphere {
             diagonal,
         }
     }
+
+    /// The place of each node in the table of images, by rows of operations.
+    fn origins(&self) -> Vec<u16> {
+        let row = self.sector_nodes.len() as u16;
+        let images = self.representative.iter().zip(&self.operation);
+        images
+            .map(|(&place, &operation)| u16::from(operation) * row + place)
+            .collect()
+    }
+
+    /// The node to which each of the eight operations takes each of the sector's, where no operation before it does.
+    fn images(&self) -> Vec<u16> {
+        let mut images = vec![u16::MAX; 8 * self.sector_nodes.len()];
+        for (node, place) in (0..).zip(self.origins()) {
+            images[usize::from(place)] = node;
+        }
+        images
+    }
 }
 
 /// A family of motions on a mesh, sampled on a grid of parameters.
@@ -262,9 +280,9 @@ impl Family {
         arena.build(|a| {
             a.u16s(sphere.elements.iter().flatten().copied());
             a.f32s(sphere.sector_nodes.iter().flat_map(|&n| sphere.nodes[usize::from(n)]));
-            a.u16s(sphere.sector_nodes.iter().copied());
-            a.u16s(sphere.representative.iter().copied());
-            a.bytes(&sphere.operation);
+            a.bytes(&[0, 1, 2, 3, 4, 5, 6, 7]);
+            a.u16s(sphere.images());
+            a.u16s(sphere.origins());
             a.u16s(sphere.midplane.iter().copied());
             a.u16s(sphere.diagonal.iter().copied());
             a.f32s(self.times.iter().map(|&t| f64::from(t)));
@@ -311,9 +329,9 @@ impl Family {
             elements: blob(),
             reference: Reference::Sphere,
             sector_reference: f32(sector, 3, blob()),
-            sector_nodes: blob(),
-            representative: blob(),
-            operation: blob(),
+            operations: blob(),
+            images: blob(),
+            origins: blob(),
             node_sets: [("midplane", blob()), ("diagonal", blob())]
                 .into_iter()
                 .map(|(name, nodes)| NodeSet { name, nodes })
@@ -394,7 +412,9 @@ impl Family {
 
     fn cluster_samples(&self, min: f64, max: f64) -> Vec<[f64; 2]> {
         let inside = |sample: &&[f64; 2]| min - 1e-9 <= sample[1] && sample[1] <= max + 1e-9;
-        self.samples.iter().filter(inside).copied().collect()
+        let mut samples: Vec<[f64; 2]> = self.samples.iter().filter(inside).copied().collect();
+        samples.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        samples
     }
 
     /// Controls of the splines: two a stored instant.

@@ -326,7 +326,7 @@ pub(crate) fn clusters(samples: &[Sample], split: Option<Split>, names: &[String
         let mut members: Vec<usize> = (0..samples.len())
             .filter(|j| inside(samples[*j].parameters[parameter]))
             .collect();
-        // In this order a query finds its neighbours soonest.
+        // The order of the file, in which a query finds its neighbours.
         let backwards = |j: &usize| samples[*j].parameters.iter().rev();
         members.sort_by(|a, b| backwards(a).partial_cmp(backwards(b)).unwrap_or(Ordering::Equal));
         let needed = needed(names.len());

@@ -130,9 +130,9 @@ pub(crate) struct MeshParts {
     elements: Vec<u8>,
     reference: Reference,
     sector_reference: Numbers,
-    sector_nodes: Vec<u8>,
-    representative: Vec<u8>,
-    operation: Vec<u8>,
+    operations: Vec<u8>,
+    images: Vec<u8>,
+    origins: Vec<u8>,
     outlines: Vec<(&'static str, Vec<u8>)>,
     scales: Vec<f64>,
     /// The sector's nodes in the order of the file, by their places in the symmetry's.
@@ -148,8 +148,9 @@ impl MeshParts {
     /// # Errors
     /// [`OfflineError::TooManyNodes`]; [`OfflineError::NoOutline`] for a sphere, while another shape may be without outlines.
     pub(crate) fn new(mesh: &Mesh, symmetry: &Symmetry, reference: Reference) -> Result<Self, OfflineError> {
-        let limit = usize::from(u16::MAX) + 1;
-        if mesh.nodes.len() > limit {
+        // 65535 says that there is none.
+        let limit = usize::from(u16::MAX);
+        if symmetry.order() * symmetry.sector.len() > limit {
             return Err(OfflineError::TooManyNodes {
                 nodes: mesh.nodes.len(),
                 limit,
@@ -163,8 +164,12 @@ impl MeshParts {
         };
         let order = order(symmetry, outlines.iter().flat_map(|(_, nodes)| nodes));
         let mut place = vec![0; order.len()];
-        order.iter().enumerate().for_each(|(new, old)| place[*old] = new as u32);
-        let representative: Vec<u32> = symmetry.representative.iter().map(|s| place[*s as usize]).collect();
+        order.iter().enumerate().for_each(|(new, old)| place[*old] = new);
+        let origins = origins(symmetry, &place);
+        let mut images = vec![u16::MAX.into(); symmetry.order() * order.len()];
+        (0..)
+            .zip(&origins)
+            .for_each(|(node, place)| images[*place as usize] = node);
         let sector: Vec<u32> = order.iter().map(|s| symmetry.sector[*s]).collect();
         let orbits = symmetry.orbit_sizes();
         let flat = mesh.elements.iter().all(Mesh::is_flat);
@@ -175,9 +180,9 @@ impl MeshParts {
             elements: indices(mesh.elements.iter().flat_map(|element| &element[..element_nodes])),
             reference,
             sector_reference: Numbers::new(sector.len(), 3, |s, d| mesh.nodes[sector[s] as usize][d]),
-            sector_nodes: indices(&sector),
-            representative: indices(&representative),
-            operation: symmetry.operation.clone(),
+            operations: symmetry.operations.clone(),
+            images: indices(&images),
+            origins: indices(&origins),
             outlines: outlines
                 .into_iter()
                 .map(|(name, nodes)| (name, indices(&nodes)))
@@ -199,9 +204,9 @@ impl MeshParts {
             elements: Blob::new(&self.elements),
             reference: self.reference,
             sector_reference: self.sector_reference.matrix(),
-            sector_nodes: Blob::new(&self.sector_nodes),
-            representative: Blob::new(&self.representative),
-            operation: Blob::new(&self.operation),
+            operations: Blob::new(&self.operations),
+            images: Blob::new(&self.images),
+            origins: Blob::new(&self.origins),
             node_sets: self
                 .outlines
                 .iter()
@@ -212,6 +217,18 @@ impl MeshParts {
                 .collect(),
         }
     }
+}
+
+/// The place of each node in the table of images, a row for each operation and a column for each of the sector's nodes: these at
+/// the places given.
+fn origins(symmetry: &Symmetry, places: &[usize]) -> Vec<u32> {
+    let mut rows = [0; 8];
+    for (row, operation) in symmetry.operations.iter().enumerate() {
+        rows[usize::from(*operation)] = row;
+    }
+    let images = symmetry.representative.iter().zip(&symmetry.operation);
+    let place = |(s, operation): (&u32, &u8)| rows[usize::from(*operation)] * places.len() + places[*s as usize];
+    images.map(|image| place(image) as u32).collect()
 }
 
 /// The sector's nodes, by their places in the symmetry's order: first those of the outlines, as these run, so that they share
@@ -575,7 +592,8 @@ pub(crate) fn write(
     room += domain.names.iter().map(String::len).sum::<usize>();
     room += mesh.elements.len()
         + 12 * mesh.scales.len()
-        + 8 * mesh.nodes
+        + mesh.images.len()
+        + mesh.origins.len()
         + times.bytes.len()
         + limit.bytes.len()
         + border.bytes.len();
