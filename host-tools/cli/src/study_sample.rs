@@ -51,7 +51,7 @@ Suggests the configurations at which the model expects to err most, each with th
 /// Every so many samples of the grid are in the design that a replay starts with.
 const START: usize = 4;
 /// Samples that a replay adds before it measures the errors again.
-const BATCH: usize = 6;
+const BATCH: usize = 3;
 
 #[derive(Serialize)]
 struct Suggestions {

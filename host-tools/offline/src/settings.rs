@@ -126,7 +126,7 @@ impl Default for Settings {
                 parameter: 1,
                 value: 0.9,
             }),
-            truncation: Truncation::Tolerance(8e-5),
+            truncation: Truncation::Tolerance(8.5e-5),
             storage: Storage::Integer,
             spacing: 0.05,
             kernel: Kernel {
