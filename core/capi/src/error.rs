@@ -42,19 +42,26 @@ impl Error {
 
     /// A failure with counts: what was found, the least and the greatest that would be right. They are exact below 2^32.
     #[inline(never)]
-    pub(crate) fn counts(&mut self, status: Status, what: &'static str, figures: [usize; 3]) -> Failed {
+    pub(crate) fn counts(
+        &mut self,
+        status: Status,
+        what: &'static str,
+        found: usize,
+        least: usize,
+        greatest: usize,
+    ) -> Failed {
         let figure = |count| f64::from(u32::try_from(count).unwrap_or(u32::MAX));
-        self.figures(status, what, figures.map(figure))
+        self.figures(status, what, figure(found), figure(least), figure(greatest))
     }
 
     /// A failure with numbers in place of counts.
     #[inline(never)]
-    fn numbers(&mut self, status: Status, what: &'static str, figures: [f32; 3]) -> Failed {
-        self.figures(status, what, figures.map(f64::from))
+    fn numbers(&mut self, status: Status, what: &'static str, found: f32, least: f32, greatest: f32) -> Failed {
+        self.figures(status, what, found.into(), least.into(), greatest.into())
     }
 
     #[inline(never)]
-    fn figures(&mut self, status: Status, what: &'static str, [found, least, greatest]: [f64; 3]) -> Failed {
+    fn figures(&mut self, status: Status, what: &'static str, found: f64, least: f64, greatest: f64) -> Failed {
         (self.status, self.found, self.least, self.greatest) = (status, found, least, greatest);
         self.about(what);
         Failed
@@ -63,7 +70,7 @@ impl Error {
     /// A choice that does not exist.
     #[inline(never)]
     pub(crate) fn choice(&mut self, what: &'static str, found: usize, greatest: usize) -> Failed {
-        self.counts(Status::Choice, what, [found, 0, greatest])
+        self.counts(Status::Choice, what, found, 0, greatest)
     }
 
     /// Why a query was refused; a parameter bears the name that the model gives it.
@@ -94,28 +101,26 @@ impl Reason for Status {
 impl Reason for OpenError {
     fn tell(self, failure: &mut Error) -> Failed {
         match self {
-            Self::Truncated { expected, found } => failure.counts(Status::Truncated, "", [found, expected, 0]),
+            Self::Truncated { expected, found } => failure.counts(Status::Truncated, "", found, expected, 0),
             Self::Magic { .. } => Status::Magic.tell(failure),
             Self::Version { found, supported } => {
-                failure.counts(Status::Version, "", [found as usize, 0, supported as usize])
+                failure.counts(Status::Version, "", found as usize, 0, supported as usize)
             }
             Self::Checksum { expected, found } => {
-                failure.counts(Status::Checksum, "", [found as usize, expected as usize, 0])
+                failure.counts(Status::Checksum, "", found as usize, expected as usize, 0)
             }
             Self::Undecodable => Status::Undecodable.tell(failure),
-            Self::TrailingBytes { found } => failure.counts(Status::TrailingBytes, "", [found, 0, 0]),
+            Self::TrailingBytes { found } => failure.counts(Status::TrailingBytes, "", found, 0, 0),
             Self::Rows { what, expected, found }
             | Self::Columns { what, expected, found }
             | Self::Dimension { what, expected, found }
-            | Self::Length { what, expected, found } => {
-                failure.counts(Status::Inconsistent, what, [found, expected, 0])
-            }
-            Self::Index { what, value, bound, .. } => failure.counts(Status::Inconsistent, what, [value, 0, bound]),
-            Self::Number { what, value, .. } => failure.numbers(Status::Inconsistent, what, [value, 0.0, 0.0]),
-            Self::Setting { what, value, min, max } => failure.figures(Status::Inconsistent, what, [value, min, max]),
-            Self::NoImage { node } => failure.counts(Status::Inconsistent, "images", [node, 0, 0]),
-            Self::ShortOutline { name } => failure.counts(Status::Inconsistent, name, [0; 3]),
-            Self::DuplicateSample { second, .. } => failure.counts(Status::Inconsistent, "samples", [second, 0, 0]),
+            | Self::Length { what, expected, found } => failure.counts(Status::Inconsistent, what, found, expected, 0),
+            Self::Index { what, value, bound, .. } => failure.counts(Status::Inconsistent, what, value, 0, bound),
+            Self::Number { what, value, .. } => failure.numbers(Status::Inconsistent, what, value, 0.0, 0.0),
+            Self::Setting { what, value, min, max } => failure.figures(Status::Inconsistent, what, value, min, max),
+            Self::NoImage { node } => failure.counts(Status::Inconsistent, "images", node, 0, 0),
+            Self::ShortOutline { name } => failure.counts(Status::Inconsistent, name, 0, 0, 0),
+            Self::DuplicateSample { second, .. } => failure.counts(Status::Inconsistent, "samples", second, 0, 0),
             _ => Status::Other.tell(failure),
         }
     }
@@ -129,24 +134,24 @@ impl Reason for EvaluateError {
                 limit,
                 required,
                 capacity,
-            } => failure.counts(Status::Capacity, limit, [required, 0, capacity]),
-            Self::Value { what, value, min, max } => failure.numbers(Status::Value, what, [value, min, max]),
-            Self::Parameter { value, min, max, .. } => failure.numbers(Status::Value, "", [value, min, max]),
-            Self::ParameterCount { expected, found } => {
-                failure.counts(Status::ParameterCount, "", [found, expected, 0])
-            }
+            } => failure.counts(Status::Capacity, limit, required, 0, capacity),
+            Self::Value { what, value, min, max } => failure.numbers(Status::Value, what, value, min, max),
+            Self::Parameter { value, min, max, .. } => failure.numbers(Status::Value, "", value, min, max),
+            Self::ParameterCount { expected, found } => failure.counts(Status::ParameterCount, "", found, expected, 0),
             Self::OutsideDomain {
                 value,
                 range: [min, max],
                 ..
-            } => failure.numbers(Status::OutsideDomain, "", [value, min, max]),
+            } => failure.numbers(Status::OutsideDomain, "", value, min, max),
             Self::FarFromSamples { ratio } => {
-                failure.numbers(Status::OutsideDomain, "distance from the samples", [ratio, 0.0, 1.0])
+                failure.numbers(Status::OutsideDomain, "distance from the samples", ratio, 0.0, 1.0)
             }
             Self::FarOutside { distance, limit } => failure.numbers(
                 Status::OutsideDomain,
                 "distance from the samples in their spread",
-                [distance, 0.0, limit],
+                distance,
+                0.0,
+                limit,
             ),
             Self::BeyondSteadyLimit {
                 capillary_number,
@@ -155,12 +160,14 @@ impl Reason for EvaluateError {
             } => failure.numbers(
                 Status::BeyondSteadyLimit,
                 "capillary number",
-                [capillary_number, 0.0, limit],
+                capillary_number,
+                0.0,
+                limit,
             ),
-            Self::Weights { sum } => failure.numbers(Status::Weights, "", [sum, 0.0, 0.0]),
+            Self::Weights { sum } => failure.numbers(Status::Weights, "", sum, 0.0, 0.0),
             Self::NotPrepared => Status::NotPrepared.tell(failure),
-            Self::UnknownNode { node, nodes } => failure.counts(Status::UnknownNode, "", [node, 0, nodes]),
-            Self::BufferTooShort { required, found } => failure.counts(Status::Short, "", [found, required, 0]),
+            Self::UnknownNode { node, nodes } => failure.counts(Status::UnknownNode, "", node, 0, nodes),
+            Self::BufferTooShort { required, found } => failure.counts(Status::Short, "", found, required, 0),
             Self::NotFinite => Status::NotFinite.tell(failure),
             Self::NoSphere => Status::NoSphere.tell(failure),
             Self::UnknownNodeSet => Status::NoOutline.tell(failure),

@@ -197,9 +197,9 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             )
         };
         let expected = model.contents().metadata.parameters.len();
-        let counts = [parameters.len(), expected, 0];
-        let parameters =
-            rom::Parameters::new(parameters).ok_or_else(|| failure.counts(Status::ParameterCount, "", counts))?;
+        let found = parameters.len();
+        let parameters = rom::Parameters::new(parameters)
+            .ok_or_else(|| failure.counts(Status::ParameterCount, "", found, expected, 0))?;
         let method = match query.method {
             0 => model.contents().default_method,
             1 => rom::Method::Direct,
@@ -543,7 +543,7 @@ unsafe fn call(
 fn holds<O>(size: usize, failure: &mut Error) -> Result<(), Failed> {
     let needed = size_of::<O>();
     if size < needed {
-        return Err(failure.counts(Status::Short, "", [size, needed, 0]));
+        return Err(failure.counts(Status::Short, "", size, needed, 0));
     }
     Ok(())
 }
