@@ -37,12 +37,12 @@ pub fn build() -> Result<()> {
     optimise(&folder.join("capsule_wasm_bg.wasm"), "-O3")
 }
 
-/// Optimises a module in place.
-pub fn optimise(module: &Path, level: &str) -> Result<()> {
+/// Optimises a module in place, by these options of wasm-opt.
+pub fn optimise(module: &Path, options: &str) -> Result<()> {
     setup::npm_modules("explorer")?;
     let wasm_opt = root().join("explorer/node_modules/.bin/wasm-opt");
     run(command(&wasm_opt.to_string_lossy())
-        .arg(level)
+        .args(options.split_whitespace())
         .args(RUSTC_FEATURES)
         .arg("-o")
         .args([module, module]))
