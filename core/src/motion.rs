@@ -100,9 +100,9 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     /// The translation's coefficient at `t` alone.
     pub(crate) fn translation(&self, t: T, quantity: Quantity) -> T {
         let splines = Splines::at(&self.knots, t);
-        let [a, b, c, d] = core::array::from_fn(|i| self.axial_control(splines.first + i));
         let [p, q, r, s] = splines.of(quantity);
-        (p * a + q * b) + (r * c + s * d)
+        let part = |factor: T, i| factor * self.axial_control(splines.first + i);
+        (part(p, 0) + part(q, 1)) + (part(r, 2) + part(s, 3))
     }
 
     /// The splines that are not zero at `t`.
@@ -151,14 +151,16 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     /// out <- slice b times psi, as far as there are rows.
     fn shape_control(&self, b: usize, out: &mut [T]) {
         let mut counts = self.slices.pairs();
-        let before = counts.by_ref().take(b);
-        let [coarse, fine] = before.fold([0, 0], |[p, q], [coarse, fine]| [p + coarse, q + fine]);
+        let (mut coarse, mut fine) = (0, 0);
+        for [more_coarse, more_fine] in counts.by_ref().take(b) {
+            (coarse, fine) = (coarse + more_coarse, fine + more_fine);
+        }
         let [coarse_panels, fine_panels] = counts.next().unwrap_or_default();
         let Contracted { psi, .. } = self.contracted;
         let (psi, _) = part(psi, 0..self.coarse.columns()).as_chunks::<1>();
         let (coarse_out, out) = out.split_at_mut(out.len().min(LANES * coarse_panels));
         let fine_out = part_mut(out, 0..out.len().min(LANES * fine_panels));
-        for (rows, first, out) in [(&self.coarse, coarse, coarse_out), (&self.fine, fine, fine_out)] {
+        let combine = |rows, first, out: &mut [T]| {
             let width = if IN_PAIRS { 2 * LANES } else { LANES };
             for (group, out) in out.chunks_mut(width).enumerate() {
                 let panel = first + width / LANES * group;
@@ -168,7 +170,9 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
                     products(rows, [panel], psi, out);
                 }
             }
-        }
+        };
+        combine(&self.coarse, coarse, coarse_out);
+        combine(&self.fine, fine, fine_out);
     }
 }
 

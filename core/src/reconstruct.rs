@@ -51,7 +51,7 @@ impl<T: Real, const B: usize> Snapshot<'_, '_, T, B> {
         let rows = places.map(|(axis, panel)| axis * self.mesh.panels() + panel);
         let mut values = [[[T::ZERO; LANES]; B]; P];
         self.modes.panels(rows, self.coefficients, &mut values);
-        for (values, (axis, panel)) in values.iter_mut().zip(places) {
+        for (values, &(axis, panel)) in values.iter_mut().zip(&places) {
             let nodes = self.mesh.sector_panel(panel);
             for values in values {
                 for (value, node) in values.iter_mut().zip(nodes) {
@@ -99,8 +99,8 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
     /// A result that is not finite.
     pub(crate) fn fill_sector(&self, out: &mut [[T; 3]]) -> Result<(), EvaluateError> {
         for (panel, out) in out.chunks_mut(LANES).enumerate() {
-            for (out, vector) in out.iter_mut().zip(self.vectors(panel)) {
-                *out = finite(vector)?;
+            for (out, vector) in out.iter_mut().zip(&self.vectors(panel)) {
+                *out = finite(*vector)?;
             }
         }
         Ok(())
@@ -112,9 +112,9 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
         let out = room(out, count)?;
         let mut sector = self.mesh.sector_nodes().iter();
         for panel in 0..self.mesh.panels() {
-            for (vector, node) in self.vectors(panel).into_iter().zip(sector.by_ref()) {
+            for (vector, node) in self.vectors(panel).iter().zip(sector.by_ref()) {
                 if let Some(out) = out.get_mut(node) {
-                    *out = finite(vector)?;
+                    *out = finite(*vector)?;
                 }
             }
         }
@@ -231,7 +231,7 @@ impl<T: Real> Walk<'_, '_, '_, T> {
                 .abs(),
             Plane::Diagonal => (self.component(representative, 1) * T::from_f64(core::f64::consts::SQRT_2)).abs(),
             Plane::Other => {
-                let [y, z] = [1, 2].map(|axis| self.component(representative, axis));
+                let (y, z) = (self.component(representative, 1), self.component(representative, 2));
                 (y * y + z * z).sqrt()
             }
         };

@@ -152,10 +152,13 @@ type Visit<'v, T> = dyn FnMut([u16; 6], &[Point<T>; 6]) -> Result<(), EvaluateEr
 fn visit<T: Real>(mesh: &Mesh<'_>, visit: &mut Visit<'_, T>) -> Result<T, EvaluateError> {
     let points = Point::all(mesh.element_nodes() == 3);
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
-    let symmetric = 4 * mesh.elements().filter(quarter).count() == mesh.elements().len()
+    let elements = mesh.elements();
+    let symmetric = 4 * elements.clone().filter(quarter).count() == elements.len()
         && (0..mesh.nodes()).all(|node| mirrored_from_quarter(mesh, node));
-    for element in mesh.elements().filter(|element| !symmetric || quarter(element)) {
-        visit(element, &points)?;
+    for element in elements {
+        if !symmetric || quarter(&element) {
+            visit(element, &points)?;
+        }
     }
     Ok(if symmetric { T::from_f32(4.0) } else { T::ONE })
 }

@@ -233,8 +233,8 @@ impl<'a> MatrixView<'a> {
         {
             self.side_by_side(&integers, panels, x, products);
         } else {
-            for (panel, products) in panels.into_iter().zip(products) {
-                self.panel(panel, x, products);
+            for (panel, products) in panels.iter().zip(products) {
+                self.panel(*panel, x, products);
             }
         }
     }
@@ -285,15 +285,11 @@ impl<'a> MatrixView<'a> {
     #[inline(always)]
     fn scale_rows<T: Real, const B: usize>(&self, panel: usize, products: &mut [[T; LANES]; B]) {
         if let Units::OfRows(_) = self.units {
-            let units: [T; LANES] = core::array::from_fn(|lane| {
-                let unit = self.units.of_row(LANES * panel + lane);
-                T::from_f32(unit.unwrap_or(0.0))
-            });
-            for products in products {
-                products
-                    .iter_mut()
-                    .zip(units)
-                    .for_each(|(product, unit)| *product *= unit);
+            for lane in 0..LANES {
+                let unit = T::from_f32(self.units.of_row(LANES * panel + lane).unwrap_or(0.0));
+                for products in &mut *products {
+                    products[lane] *= unit;
+                }
             }
         }
     }
@@ -367,9 +363,8 @@ impl<'a> Indices<'a> {
     /// The indices two by two.
     pub(crate) fn pairs(self) -> impl Iterator<Item = [usize; 2]> + use<'a> {
         let (pairs, _) = self.0.as_chunks::<2>();
-        pairs
-            .iter()
-            .map(|pair| pair.map(|bytes| u16::from_le_bytes(bytes).into()))
+        let index = |bytes: [u8; 2]| u16::from_le_bytes(bytes).into();
+        pairs.iter().map(move |&[first, second]| [index(first), index(second)])
     }
 
     /// All indices in order.

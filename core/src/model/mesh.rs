@@ -64,15 +64,12 @@ impl<'a> Mesh<'a> {
     /// The triangles: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside. Flat ones have no
     /// mid-edges, and name their corners again in their place.
     pub fn elements(&self) -> impl ExactSizeIterator<Item = [u16; 6]> + Clone + use<'a> {
-        let mesh = *self;
-        (0..self.elements.len() / self.element_nodes()).map(move |element| mesh.element(element))
-    }
-
-    fn element(&self, element: usize) -> [u16; 6] {
-        let own = self.element_nodes();
-        core::array::from_fn(|i| {
-            let i = if i < own { i } else { i - 3 };
-            self.elements.get(element * own + i).unwrap_or_default() as u16
+        let (elements, own) = (self.elements, self.element_nodes());
+        (0..elements.len() / own).map(move |element| {
+            core::array::from_fn(|i| {
+                let i = if i < own { i } else { i - 3 };
+                elements.get(element * own + i).unwrap_or_default() as u16
+            })
         })
     }
 
