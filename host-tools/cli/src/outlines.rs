@@ -5,7 +5,7 @@ use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE};
 use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 use std::path::Path;
 
-/// More nodes than any outline has: a mesh is limited to 65,536 nodes.
+/// More nodes than any outline has: a mesh is limited to 65,535 nodes.
 const LONGEST_OUTLINE: usize = 1024;
 
 /// Plots both sections at these instants, in the laboratory frame; `query` says in words what is shown.
