@@ -138,7 +138,7 @@ impl Default for Settings {
                 scales: [1.9, 1.0, 1.0, 1.0],
                 radius: 1.2,
                 displacement_rank: 10,
-                velocity_rank: 10,
+                velocity_rank: 16,
                 window: 2.0,
             },
             default_method: Method::Direct,
