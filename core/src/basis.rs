@@ -127,11 +127,9 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 let mut coefficients = [T::ZERO; PAPER_ROW];
                 let reflection = row - count;
                 if let Some(row) = reflections.get(reflection) {
-                    let before = row.iter().take(reflection + 1);
-                    coefficients
-                        .iter_mut()
-                        .zip(before)
-                        .for_each(|(out, entry)| *out = *entry);
+                    for (out, entry) in coefficients.iter_mut().zip(part(row, 0..reflection + 1)) {
+                        *out = *entry;
+                    }
                 }
                 absorb(part_mut(gathered, 0..rank), part_mut(&mut coefficients, 0..rank));
                 Learning::Gathering { rank, row: row + 1 }
@@ -160,7 +158,8 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 let mode = self.rows.get_mut(self.rank).filter(|_| self.rank < wanted)?;
                 let shape = part_mut(mode, 1..PAPER_ROW);
                 let length = take_longest(rows, part_mut(shape, 0..whole(0, rank))).filter(|length| *length > floor)?;
-                for (k, reflection) in reflections.iter().enumerate().rev() {
+                for k in (0..rank).rev() {
+                    let reflection = reflections.get(k)?;
                     let end = whole(k + 1, columns).min(PAPER_ROW - 1);
                     let rest = part(reflection, k + 1..end);
                     mirror(rest, factor_of(rest), part_mut(shape, k..end));
@@ -208,11 +207,8 @@ fn whole(start: usize, end: usize) -> usize {
 fn sort<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>, floor: T) -> (usize, T) {
     let (mut open, mut longest, mut place) = (rows.len(), T::ZERO, 0);
     let mut i = 0;
-    while i < open {
-        let rest = part_mut(
-            rows.get_mut(i).map_or(&mut [], |row| row.as_mut_slice()),
-            columns.clone(),
-        );
+    while let Some(row) = part_mut(rows, 0..open).get_mut(i) {
+        let rest = part_mut(row, columns.clone());
         let square = dot(rest, rest);
         if square > floor {
             if square > longest {

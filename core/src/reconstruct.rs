@@ -137,7 +137,7 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
 
     /// The vectors at the sector's nodes of a panel.
     fn vectors(&self, panel: usize) -> [[T; 3]; LANES] {
-        let [[x], [y], [z]] = self.panels([0, 1, 2].map(|axis| (axis, panel)));
+        let [[x], [y], [z]] = self.panels([(0, panel), (1, panel), (2, panel)]);
         core::array::from_fn(|lane| [x[lane], y[lane], z[lane]])
     }
 

@@ -8,7 +8,7 @@
 
 use super::{Coordinates, Storage, Weights};
 use crate::error::EvaluateError;
-use crate::linalg::Qr;
+use crate::linalg::{Qr, part};
 use crate::model::wire::{Matrix, Paper};
 use crate::{Parameters, Real};
 
@@ -62,9 +62,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
         self.count = (0..self.count).take_while(|j| near(self.distance(j + 1))).count();
         let n = self.count;
         let mut roots = [T::ZERO; N];
-        for (j, root) in roots.iter_mut().enumerate().take(n) {
+        for (square, root) in part(&self.values, 0..n).iter().zip(&mut roots) {
             let share = if radius > T::ZERO {
-                self.distance(j + 1) / radius
+                square.sqrt() / radius
             } else {
                 T::ZERO
             };

@@ -95,7 +95,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         qr.transpose_times(&mut right);
         qr.conjugate(matrix);
         let mut y = right;
-        y.iter_mut().take(qr.rank()).for_each(|y| *y = T::ZERO);
+        part_mut(&mut y, 0..qr.rank()).fill(T::ZERO);
         cholesky::solve(matrix, qr.rank(), &mut y);
         variance += dot_in_order(&y, &right);
         qr.times(&mut y);

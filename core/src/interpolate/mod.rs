@@ -218,15 +218,16 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// L^T S L - 2 L^T s with the covariances S of the samples and s of these with the query.
     fn quadratic_form(&self) -> T {
         let two = T::from_f32(2.0);
-        let placed = || self.values.iter().zip(&self.offsets).take(self.count);
-        placed().enumerate().fold(T::ZERO, |sum, (i, (value, offset))| {
-            let row = placed()
-                .take(i)
-                .fold(-covariance(self.degree, square(*offset)), |row, (other, place)| {
-                    row + *other * covariance(self.degree, square(minus(*offset, *place)))
-                });
-            sum + two * *value * row
-        })
+        let mut sum = T::ZERO;
+        let offsets = part(&self.offsets, 0..self.count);
+        for (i, (value, offset)) in self.values.iter().zip(offsets).enumerate() {
+            let mut row = -covariance(self.degree, square(*offset));
+            for (other, place) in self.values.iter().zip(part(offsets, 0..i)) {
+                row += *other * covariance(self.degree, square(minus(*offset, *place)));
+            }
+            sum += two * *value * row;
+        }
+        sum
     }
 }
 

@@ -7,12 +7,10 @@ use crate::Real;
 /// place. Directions in which the block is not positive beyond rounding get no part in the solution.
 pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize, b: &mut [T; N]) {
     let n = matrix.len().min(N);
-    let largest = matrix
-        .iter()
-        .enumerate()
-        .skip(first)
-        .map(|(i, row)| entry(row, i))
-        .fold(T::ZERO, T::max);
+    let mut largest = T::ZERO;
+    for (i, row) in matrix.iter().enumerate().skip(first) {
+        largest = largest.max(entry(row, i));
+    }
     let floor = largest * T::EPSILON * T::from_index(n);
     for i in first..n {
         let Some((above, [row, ..])) = matrix.split_at_mut_checked(i) else {
@@ -36,8 +34,8 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
         *pivot = if square > floor { square.sqrt() } else { T::ZERO };
         *value = quotient(*value - dot_in_order(done, part(solved, first..i)), *pivot);
     }
-    for (i, row) in matrix.iter().enumerate().skip(first).rev() {
-        let Some((open, [value, ..])) = b.split_at_mut_checked(i) else {
+    for i in (first..n).rev() {
+        let (Some(row), Some((open, [value, ..]))) = (matrix.get(i), b.split_at_mut_checked(i)) else {
             return;
         };
         *value = quotient(*value, entry(row, i));

@@ -23,12 +23,18 @@ pub(crate) struct Qr<'s, T, const N: usize> {
 impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
     /// Factors at most [`MOST_COLUMNS`] columns.
     pub(crate) fn new(rows: usize, columns: &'s mut [[T; N]]) -> Self {
-        let (mut rank, mut diagonals) = (0, [T::ZERO; MOST_COLUMNS]);
-        for index in 0..columns.len() {
-            let Some((done, open)) = columns.split_at_mut_checked(rank) else {
+        let mut qr = Self {
+            rows,
+            rank: 0,
+            columns,
+            diagonals: [T::ZERO; MOST_COLUMNS],
+        };
+        for index in 0..qr.columns.len() {
+            let rank = qr.rank;
+            let Some((done, open)) = qr.columns.split_at_mut_checked(rank) else {
                 break;
             };
-            let (Some(column), Some(diagonal)) = (open.get_mut(index - rank), diagonals.get_mut(rank)) else {
+            let (Some(column), Some(diagonal)) = (open.get_mut(index - rank), qr.diagonals.get_mut(rank)) else {
                 break;
             };
             let column = part_mut(column, 0..rows);
@@ -54,14 +60,9 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
             {
                 place.swap_with_slice(kept);
             }
-            rank += 1;
+            qr.rank += 1;
         }
-        Self {
-            rows,
-            rank,
-            columns,
-            diagonals,
-        }
+        qr
     }
 
     /// Number of columns kept.
@@ -188,7 +189,7 @@ fn reflect<T: Real>(v: &[T], x: &mut [T]) {
 pub(crate) fn symmetric_times<T: Real, const N: usize>(matrix: &[[T; N]], x: &[T; N], out: &mut [T; N]) {
     for (i, (row, x_i)) in matrix.iter().zip(x).enumerate() {
         let mut own = T::ZERO;
-        for ((value, x), out) in row.iter().zip(x).zip(&mut *out).take(i) {
+        for ((value, x), out) in part(row, 0..i).iter().zip(x).zip(&mut *out) {
             own += *value * *x;
             *out += *value * *x_i;
         }
