@@ -3,7 +3,8 @@
 //! Leaving out one sample of a row asks along the row, where the samples are dense. New configurations lie between the
 //! rows, some near a sample and some in the middle. So the bound is calibrated with every sample twice: predicted from the
 //! other rows alone, and from all samples, where truncation alone errs. The bound is the multiple of the expected error that
-//! 95 % of these errors stay below.
+//! 95 % of these errors stay below, each counted with the part of the domain that lies nearest to its sample: samples are
+//! dense where the solution varies fast, and new configurations are not.
 
 use rayon::prelude::*;
 
@@ -12,13 +13,16 @@ use crate::build::{Plan, Reduced};
 use crate::compare::{METHODS, distances, predictions};
 use crate::samples::{SAME_ROW, Sample};
 use crate::writer::ClusterParts;
-use capsule_core::Model;
+use capsule_core::{Domain, Model, Parameters};
 
 /// The share of errors below the bound.
 const SHARE: f64 = 0.95;
 
 /// The fewest errors that tell a quantile of 95 %; with fewer the bound is the greatest ratio found.
 const FEWEST: usize = 20;
+
+/// About as many places of the domain are asked which sample is nearest.
+const PLACES: f64 = 1e4;
 
 /// The bound over the expected error, at each of the instants, for each method. 1 where no row can be left out.
 pub(crate) fn bound_factors(
@@ -42,28 +46,69 @@ pub(crate) fn bound_factors(
         .map(|file| Model::open(file).map_err(OfflineError::Invalid))
         .collect();
     let models = models?;
+    let sample = |(c, j): &(usize, usize)| &plan.samples[reduced[*c].part.members[*j]];
+    let parameters: Vec<&[f64]> = tasks.iter().map(|task| &sample(task).parameters[..]).collect();
+    let parts = parts_of_domain(plan, &models, &parameters);
     let both: Result<Vec<Option<[Ratios; 2]>>, OfflineError> = tasks
         .par_iter()
         .map(|(c, j)| {
             let left_out = row_left_out(plan, &reduced[*c], *j, clusters[*c])?;
-            let sample = &plan.samples[reduced[*c].part.members[*j]];
             let Some(left_out) = left_out else { return Ok(None) };
-            Ok(Some([left_out, ratios(plan, &models[*c], sample)?]))
+            Ok(Some([left_out, ratios(plan, &models[*c], sample(&(*c, *j)))?]))
         })
         .collect();
-    let ratios: Vec<Ratios> = both?.into_iter().flatten().flatten().collect();
+    let weighted: Vec<(f64, Ratios)> = parts
+        .into_iter()
+        .zip(both?)
+        .filter_map(|(part, both)| Some(both?.map(|ratios| (part, ratios))))
+        .flatten()
+        .collect();
     let factor = |method: usize, instant: usize| {
-        let mut values: Vec<f64> = ratios.iter().map(|ratio| ratio[method][instant]).collect();
-        values.sort_by(f64::total_cmp);
-        let place = if values.len() < FEWEST {
-            values.len()
-        } else {
-            (SHARE * values.len() as f64).ceil() as usize
-        };
-        place.checked_sub(1).map_or(1.0, |place| values[place])
+        let values = weighted.iter().map(|(part, ratios)| (ratios[method][instant], *part));
+        quantile(values.collect()).unwrap_or(1.0)
     };
     let instants = 0..plan.error_times().len();
     Ok([0, 1].map(|method| instants.clone().map(|instant| factor(method, instant)).collect()))
+}
+
+/// The value that values with [`SHARE`] of the weight do not exceed; the greatest of few.
+fn quantile(mut weighted: Vec<(f64, f64)>) -> Option<f64> {
+    weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let whole: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+    let wanted = if weighted.len() < FEWEST { whole } else { SHARE * whole };
+    let mut sum = 0.0;
+    let reached = weighted.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= wanted
+    });
+    reached.or(weighted.last()).map(|(value, _)| *value)
+}
+
+/// How many places of the domain, evenly spread, lie nearest to each of some parameters, with the domain's ranges as units.
+fn parts_of_domain(plan: &Plan, models: &[Model<'_>], parameters: &[&[f64]]) -> Vec<f64> {
+    let ranges = plan.ranges();
+    let along = PLACES.powf(1.0 / ranges.len() as f64).round() as usize;
+    let mut parts = vec![0.0; parameters.len()];
+    for number in 0..along.pow(ranges.len() as u32) {
+        let share = |d: usize| ((number / along.pow(d as u32)) % along) as f64 + 0.5;
+        let place: Vec<f64> = ranges
+            .iter()
+            .enumerate()
+            .map(|(d, [low, high])| low + (high - low) * share(d) / along as f64)
+            .collect();
+        let inside = Parameters::new(&place).is_some_and(|place| models[0].domain(place) == Domain::Inside);
+        let square = |of: &[f64]| -> f64 {
+            let offsets = of.iter().zip(&place).zip(ranges);
+            offsets
+                .map(|((a, b), [low, high])| ((a - b) / (high - low).max(f64::MIN_POSITIVE)).powi(2))
+                .sum()
+        };
+        let nearest = (0..parameters.len()).min_by(|a, b| square(parameters[*a]).total_cmp(&square(parameters[*b])));
+        if let Some(nearest) = nearest.filter(|_| inside) {
+            parts[nearest] += 1.0;
+        }
+    }
+    parts
 }
 
 /// True over expected error at each of the instants, of each method.
@@ -113,4 +158,19 @@ fn ratios(plan: &Plan, model: &Model<'_>, sample: &Sample) -> Result<Ratios, Off
     });
     let [direct, paper]: [Result<Vec<f64>, OfflineError>; 2] = ratios;
     Ok([direct?, paper?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantile_counts_weights() {
+        let values = |weight: fn(usize) -> f64| (0..200).map(|i| ((199 - i) as f64, weight(199 - i))).collect();
+        // 0, 1, ... 189 are 95 % of the values; with nineteen times the weight 0, 1, ... 99 are.
+        assert_eq!(quantile(values(|_| 1.0)), Some(189.0));
+        assert_eq!(quantile(values(|i| if i < 100 { 19.0 } else { 1.0 })), Some(99.0));
+        assert_eq!(quantile(vec![(3.0, 1.0), (7.0, 0.1), (5.0, 1.0)]), Some(7.0));
+        assert_eq!(quantile(Vec::new()), None);
+    }
 }

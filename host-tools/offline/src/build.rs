@@ -389,6 +389,11 @@ impl<'a> Plan<'a> {
         &self.domain.error_times
     }
 
+    /// The range of each parameter that the model answers for.
+    pub(crate) fn ranges(&self) -> &[[f64; 2]] {
+        &self.domain.ranges
+    }
+
     /// Whether a sample lies in the domain that the model answers for.
     pub(crate) fn inside(&self, sample: &Sample) -> bool {
         let below_limit = || {
