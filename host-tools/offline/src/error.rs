@@ -57,9 +57,12 @@ pub enum OfflineError {
         found: usize,
     },
     /// The mesh has more nodes than the model file can index.
-    #[error("the mesh has {nodes} nodes; a model file indexes at most {limit}")]
+    #[error(
+        "the mesh has {nodes} nodes, counting each as often as an operation of its symmetry takes one there; a model file \
+         indexes at most {limit}"
+    )]
     TooManyNodes {
-        /// Nodes of the mesh.
+        /// Images of the sector's nodes: the nodes of the mesh, those on planes of symmetry more than once.
         nodes: usize,
         /// The most that can be.
         limit: usize,

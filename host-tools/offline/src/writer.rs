@@ -150,11 +150,9 @@ impl MeshParts {
     pub(crate) fn new(mesh: &Mesh, symmetry: &Symmetry, reference: Reference) -> Result<Self, OfflineError> {
         // 65535 says that there is none.
         let limit = usize::from(u16::MAX);
-        if symmetry.order() * symmetry.sector.len() > limit {
-            return Err(OfflineError::TooManyNodes {
-                nodes: mesh.nodes.len(),
-                limit,
-            });
+        let nodes = symmetry.order() * symmetry.sector.len();
+        if nodes > limit {
+            return Err(OfflineError::TooManyNodes { nodes, limit });
         }
         let outlines = match reference {
             Reference::Sphere => outlines(&mesh.nodes, 1.0)?,
