@@ -58,9 +58,9 @@ pub struct SteadyCriteria {
     pub normal_velocity: f64,
     /// Bound on the rate of the axial length (V).
     pub length_rate: f64,
-    /// A steady run goes on until moving with its last velocity to the end time is wrong by less than this (a), as its
-    /// last velocities foretell.
-    pub translation: f64,
+    /// A steady run goes on until moving with its last velocity to the end time is wrong by less than this (a), in place and in
+    /// shape, as the velocities of the last l/V foretell.
+    pub motion: f64,
     /// Nor does it end before this time (l/V): a buckle grows from round-off, out of a shape that seems steady.
     pub earliest_end: f64,
 }
@@ -113,7 +113,7 @@ impl Default for SteadyCriteria {
         Self {
             normal_velocity: 1e-3,
             length_rate: 1e-3,
-            translation: 5e-5,
+            motion: 5e-5,
             earliest_end: 4.0,
         }
     }
@@ -175,7 +175,7 @@ impl Settings {
         positive("steady bound on the normal velocity", self.steady.normal_velocity)?;
         positive("steady bound on the length rate", self.steady.length_rate)?;
         positive("earliest end of a steady run", self.steady.earliest_end)?;
-        positive("steady bound on the translation", self.steady.translation)
+        positive("steady bound on the motion to come", self.steady.motion)
     }
 
     /// The instants of the snapshots (l/V).

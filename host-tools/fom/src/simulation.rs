@@ -329,10 +329,14 @@ pub enum Pause {
 
 /// How far a velocity, known at equal intervals, still is from its end: its differences fall off geometrically.
 fn velocity_to_come(history: &[f64]) -> f64 {
-    /// The slowest decay that three values can tell from none.
-    const SLOWEST: f64 = 0.99;
     let [.., a, b, c] = history else { return f64::INFINITY };
-    let (before, last) = ((b - a).abs(), (c - b).abs());
+    sum_to_come([(b - a).abs(), (c - b).abs()])
+}
+
+/// The sum of the numbers that follow two, if they fall off geometrically.
+fn sum_to_come([before, last]: [f64; 2]) -> f64 {
+    /// The slowest decay that is told from none.
+    const SLOWEST: f64 = 0.99;
     let ratio = if last < SLOWEST * before {
         last / before
     } else {
@@ -341,11 +345,20 @@ fn velocity_to_come(history: &[f64]) -> f64 {
     last * ratio / (1.0 - ratio)
 }
 
+/// The greatest of what the last instants foretell: a velocity that turns seems at rest for a moment.
+fn foretold(history: &[f64], to_come: impl Fn(&[f64]) -> f64) -> f64 {
+    const INSTANTS: usize = 5;
+    let ends = history.len().saturating_sub(INSTANTS - 1)..=history.len();
+    ends.map(|end| to_come(&history[..end])).fold(0.0, f64::max)
+}
+
 /// Collects snapshots and watches for the steady state.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Record {
     initial_volume: f64,
     steady_since: Option<f64>,
+    /// The residual at each snapshot.
+    residuals: Vec<f64>,
     outcome: Outcome,
 }
 
@@ -354,6 +367,7 @@ impl Record {
         Self {
             initial_volume,
             steady_since: None,
+            residuals: Vec::new(),
             outcome: Outcome {
                 configuration,
                 status: Status::Unsteady,
@@ -382,6 +396,7 @@ impl Record {
         let fields = capsule.fields(&state.value, &state.rate);
         let residual = capsule.residual(&state.rate);
         let length_rate = outlines.axial_length_rate(&fields.positions, &fields.velocities);
+        self.residuals.push(residual);
         let steady = residual < criteria.normal_velocity && length_rate.abs() < criteria.length_rate;
         self.steady_since = if steady {
             self.steady_since.or(Some(state.time))
@@ -426,10 +441,14 @@ impl Record {
     fn is_finished(&self, settings: &Settings) -> bool {
         let time = self.outcome.times.last().copied().unwrap_or_default();
         let left = settings.end_time - time;
-        let translation = left * velocity_to_come(&self.outcome.history.centroid_velocity);
+        let place = left * foretold(&self.outcome.history.centroid_velocity, velocity_to_come);
+        let shape = foretold(&self.residuals, |residuals| match residuals {
+            [.., before, last] => (settings.snapshot_interval * sum_to_come([*before, *last])).min(left * last),
+            _ => f64::INFINITY,
+        });
         time >= settings.steady.earliest_end
             && self.steady_since.is_some()
-            && translation < settings.steady.translation * self.outcome.configuration.confinement
+            && place.max(shape) < settings.steady.motion * self.outcome.configuration.confinement
     }
 
     fn finish(mut self, outlines: &Outlines) -> Outcome {
@@ -456,5 +475,17 @@ mod tests {
         // Two values say nothing; growing differences are taken as hardly decaying ones.
         assert_eq!(velocity_to_come(&history[..2]), f64::INFINITY);
         assert!(velocity_to_come(&[1.0, 1.1, 1.3]) > 10.0);
+    }
+
+    #[test]
+    fn a_velocity_that_turns_is_not_at_rest() {
+        // 1 + exp(-t) - 2 exp(-2 t) rises to its greatest value at t = ln 4 and falls from there.
+        let velocity = |i: i32| 1.0 + (-0.2 * f64::from(i)).exp() - 2.0 * (-0.4 * f64::from(i)).exp();
+        let history: Vec<f64> = (0..60).map(velocity).collect();
+        // At the turn alone it seems at rest; what it has foretold for a while is of the size of what is to come.
+        let turn = &history[..8];
+        assert!(velocity_to_come(turn) < 0.1 * (history[7] - 1.0));
+        assert!(foretold(turn, velocity_to_come) > 0.5 * (history[7] - 1.0));
+        assert!(foretold(&history, velocity_to_come) < 1e-4);
     }
 }

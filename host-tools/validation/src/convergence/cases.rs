@@ -42,7 +42,7 @@ fn on_mesh(mesh_frequency: usize) -> Settings {
         snapshot_interval: 0.5,
         // The shape stands still to far below what is measured: then the instant does not matter.
         steady: SteadyCriteria {
-            translation: 1e-9,
+            motion: 1e-9,
             ..SteadyCriteria::default()
         },
         ..Settings::default()
