@@ -42,8 +42,7 @@ pub(crate) struct Motion<'a, 's, T, const K: usize> {
     pub(crate) rank: usize,
     knots: MatrixView<'a>,
     slices: Indices<'a>,
-    coarse: MatrixView<'a>,
-    fine: MatrixView<'a>,
+    core: MatrixView<'a>,
     axial_controls: MatrixView<'a>,
     contracted: &'s Contracted<T, K>,
 }
@@ -73,8 +72,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             rank: field.modes.columns as usize + 1,
             knots: MatrixView::new(&field.knots),
             slices: Indices::new(&field.slices),
-            coarse: MatrixView::new(&field.coarse),
-            fine: MatrixView::new(&field.fine),
+            core: MatrixView::new(&field.core),
             axial_controls: MatrixView::new(&field.axial_controls),
             contracted,
         }
@@ -150,29 +148,21 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
 
     /// out <- slice b times psi, as far as there are rows.
     fn shape_control(&self, b: usize, out: &mut [T]) {
-        let mut counts = self.slices.pairs();
-        let (mut coarse, mut fine) = (0, 0);
-        for [more_coarse, more_fine] in counts.by_ref().take(b) {
-            (coarse, fine) = (coarse + more_coarse, fine + more_fine);
-        }
-        let [coarse_panels, fine_panels] = counts.next().unwrap_or_default();
+        let mut counts = self.slices.iter();
+        let first: usize = counts.by_ref().take(b).sum();
+        let rows = LANES * counts.next().unwrap_or_default();
         let Contracted { psi, .. } = self.contracted;
-        let (psi, _) = part(psi, 0..self.coarse.columns()).as_chunks::<1>();
-        let (coarse_out, out) = out.split_at_mut(out.len().min(LANES * coarse_panels));
-        let fine_out = part_mut(out, 0..out.len().min(LANES * fine_panels));
-        let combine = |rows, first, out: &mut [T]| {
-            let width = if IN_PAIRS { 2 * LANES } else { LANES };
-            for (group, out) in out.chunks_mut(width).enumerate() {
-                let panel = first + width / LANES * group;
-                if IN_PAIRS && out.len() > LANES {
-                    products(rows, [panel, panel + 1], psi, out);
-                } else {
-                    products(rows, [panel], psi, out);
-                }
+        let (psi, _) = part(psi, 0..self.core.columns()).as_chunks::<1>();
+        let rows = rows.min(out.len());
+        let width = if IN_PAIRS { 2 } else { 1 };
+        for (group, out) in part_mut(out, 0..rows).chunks_mut(width * LANES).enumerate() {
+            let panel = first + width * group;
+            if IN_PAIRS && out.len() > LANES {
+                products(&self.core, [panel, panel + 1], psi, out);
+            } else {
+                products(&self.core, [panel], psi, out);
             }
-        };
-        combine(&self.coarse, coarse, coarse_out);
-        combine(&self.fine, fine, fine_out);
+        }
     }
 }
 

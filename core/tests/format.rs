@@ -46,7 +46,7 @@ fn what_was_written_is_read_in_place() {
     same(&read.times.blob, &contents.times.blob);
     for (a, b) in read.clusters.iter().zip(&contents.clusters) {
         same(&a.samples.blob, &b.samples.blob);
-        same(&a.field.fine.blob, &b.field.fine.blob);
+        same(&a.field.core.blob, &b.field.core.blob);
         same(&a.paper_errors.deviation.blob, &b.paper_errors.deviation.blob);
     }
     assert_eq!(blobs, 9);
@@ -116,10 +116,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 7);
-    assert_eq!(newer, OpenError::Version { found: 7, supported: 6 });
+    let newer = open(&|file| file[4] = 8);
+    assert_eq!(newer, OpenError::Version { found: 8, supported: 7 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 6 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 7 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -183,8 +183,7 @@ fn wrong_dimensions_are_refused() {
     dimension("clusters")(refused(|c| c.clusters.clear()));
     rows("modes")(refused(|c| c.clusters[0].field.modes.rows += 1));
     rows("parameter modes")(refused(|c| c.clusters[1].field.parameter_modes.rows += 1));
-    columns("core")(refused(|c| c.clusters[1].field.coarse.columns += 1));
-    columns("core")(refused(|c| c.clusters[1].field.fine.columns -= 1));
+    columns("core")(refused(|c| c.clusters[1].field.core.columns += 1));
     columns("knots")(refused(|c| c.clusters[0].field.knots.columns = 2));
     dimension("knots")(refused(|c| c.clusters[0].field.knots = Matrix::f32(7, 1, &[0; 28])));
     rows("axial controls")(refused(|c| c.clusters[0].field.axial_controls.rows -= 1));
@@ -217,7 +216,7 @@ fn wrong_dimensions_are_refused() {
         matches!(more_than_modes, OpenError::Index { what: "slices", .. }),
         "{more_than_modes}"
     );
-    dimension("coarse rows of the core")(refused(slices(0)));
+    dimension("rows of the core")(refused(slices(0)));
 }
 
 #[test]
@@ -245,7 +244,7 @@ fn wrong_numbers_are_refused() {
             c.clusters[1].field.modes = changed(&c.clusters[1].field.modes, 5, value)
         }));
         number("core")(refused(|c| {
-            c.clusters[0].field.coarse = changed(&c.clusters[0].field.coarse, 5, value);
+            c.clusters[0].field.core = changed(&c.clusters[0].field.core, 5, value);
         }));
         number("parameter modes")(refused(|c| {
             c.clusters[0].field.parameter_modes = changed(&c.clusters[0].field.parameter_modes, 5, value);
@@ -392,10 +391,10 @@ fn the_message_is_postcard() {
     contents.metadata.title = "a µ-capsule";
     contents.default_method = Method::Paper;
     contents.clusters[0].field.modes.encoding = Encoding::Columns(Digits { coarse: 300 });
-    contents.clusters[1].field.fine.encoding = Encoding::RowPanels(Digits { coarse: 0 });
+    contents.clusters[1].field.core.encoding = Encoding::RowPanels(Digits { coarse: 0 });
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.clusters[0].field.modes.encoding = Encoding::F32;
-    contents.clusters[1].field.fine.encoding = Encoding::F32;
+    contents.clusters[1].field.core.encoding = Encoding::F32;
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.steady_limit = Matrix::f32(0, 2, &[]);
     contents.mesh.reference = Reference::Shape { radius: 0.9 };

@@ -26,7 +26,7 @@ fn modest(change: impl FnOnce(&mut Contents<'_>)) -> Vec<u8> {
 fn widen(contents: &mut Contents<'_>, columns: usize) {
     for cluster in &mut contents.clusters {
         let field = &mut cluster.field;
-        for matrix in [&mut field.parameter_modes, &mut field.coarse, &mut field.fine] {
+        for matrix in [&mut field.parameter_modes, &mut field.core] {
             let mut bytes = Vec::new();
             for row in matrix.blob.data.chunks(4 * matrix.columns as usize) {
                 bytes.extend_from_slice(row);

@@ -360,13 +360,6 @@ impl<'a> Indices<'a> {
         self.0.get(i).map(|bytes| usize::from(u16::from_le_bytes(*bytes)))
     }
 
-    /// The indices two by two.
-    pub(crate) fn pairs(self) -> impl Iterator<Item = [usize; 2]> + use<'a> {
-        let (pairs, _) = self.0.as_chunks::<2>();
-        let index = |bytes: [u8; 2]| u16::from_le_bytes(bytes).into();
-        pairs.iter().map(move |&[first, second]| [index(first), index(second)])
-    }
-
     /// All indices in order.
     pub fn iter(self) -> impl DoubleEndedIterator<Item = usize> + ExactSizeIterator + use<'a> {
         self.0.iter().map(|bytes| usize::from(u16::from_le_bytes(*bytes)))

@@ -50,7 +50,7 @@ parts! {
     Cluster<'a> {
         min, max, samples, field, direct_errors, paper_errors
     }
-    Field<'a> { modes, parameter_modes, knots, slices, coarse, fine, axial_controls, axial_modes }
+    Field<'a> { modes, parameter_modes, knots, slices, core, axial_controls, axial_modes }
     Errors<'a> { left_out, deviation, bound_factors, floor }
     Kernel { neighbours, scales }
     Paper { neighbours, scales, radius, displacement_rank, velocity_rank, window }

@@ -256,9 +256,7 @@ impl Judge {
         self.matrix("modes", &field.modes, [panelled(nodes).saturating_mul(3), modes], ANY);
         self.matrix("parameter modes", &field.parameter_modes, [samples, columns], ANY);
         let controls = self.knots(&field.knots, end_time);
-        for rows in [&field.coarse, &field.fine] {
-            self.matrix("core", rows, [rows.rows as usize, columns], ANY);
-        }
+        self.matrix("core", &field.core, [field.core.rows as usize, columns], ANY);
         self.slices(field, controls);
         self.matrix("axial controls", &field.axial_controls, [controls, axial], ANY);
         self.matrix("axial modes", &field.axial_modes, [samples, axial], ANY);
@@ -290,15 +288,14 @@ impl Judge {
 
     /// The slices have no more panels than the modes need, and share out all rows.
     fn slices(&mut self, field: &Field<'_>, controls: usize) {
-        self.length("slices", &field.slices, 4 * controls);
+        self.length("slices", &field.slices, 2 * controls);
         let most = (field.modes.columns as usize).div_ceil(LANES);
-        let mut sum = [0, 0];
-        for (slice, [coarse, fine]) in Indices::new(&field.slices).pairs().enumerate() {
-            self.index("slices", 2 * slice + 1, coarse + fine, most + 1);
-            sum = [sum[0] + coarse, sum[1] + fine];
+        let mut sum = 0;
+        for (slice, panels) in Indices::new(&field.slices).iter().enumerate() {
+            self.index("slices", slice, panels, most + 1);
+            sum += panels;
         }
-        self.count("coarse rows of the core", LANES * sum[0], field.coarse.rows as usize);
-        self.count("fine rows of the core", LANES * sum[1], field.fine.rows as usize);
+        self.count("rows of the core", LANES * sum, field.core.rows as usize);
     }
 
     #[inline(never)]

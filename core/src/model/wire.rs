@@ -166,8 +166,7 @@ pub struct Cluster<'a> {
 /// B-splines: the displacement of sample j at t is `Phi sum_b B_b(t) G_b Psi_j^T`.
 ///
 /// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the rates of
-/// the displacement's. The core's slices G_b `[K - 1, K_c]` are graded: their first rows, which are large, are stored in
-/// more digits than those that follow, and the last ones, which are negligible, not at all.
+/// the displacement's. Of the core's slices G_b `[K - 1, K_c]` the last rows, which are negligible, are not stored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Field<'a> {
     /// Shape modes `[3 S, K - 1]` at the sector nodes, orthonormal over the FULL mesh: rows of x, then of y, then of z, each S
@@ -179,12 +178,10 @@ pub struct Field<'a> {
     /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than four
     /// times.
     pub knots: Matrix<'a>,
-    /// `u16 [N_b, 2]`: how many times eight rows of `coarse` and of `fine` belong to each slice, one slice after the other.
+    /// `u16 [N_b]`: how many times eight rows of the core belong to each slice.
     pub slices: Blob<'a>,
-    /// The first rows of the slices `[n, K_c]`.
-    pub coarse: Matrix<'a>,
-    /// The rows that follow them `[n, K_c]`.
-    pub fine: Matrix<'a>,
+    /// The rows of the slices `[n, K_c]`, one slice after the other.
+    pub core: Matrix<'a>,
     /// The translation's controls `[N_b, K_a]`: that of sample j is `sum_b B_b(t) F_b Y_j^T`.
     pub axial_controls: Matrix<'a>,
     /// Y `[N_c, K_a]`.
@@ -293,7 +290,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 15 * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 14 * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

@@ -305,12 +305,8 @@ impl Family {
                 a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 a.f32s(self.knots());
                 let count = self.controls();
-                // Every other slice lies where a real model has fewer digits.
-                a.u16s((0..count).flat_map(|b| if b % 2 == 0 { [1, 0] } else { [0, 1] }));
-                for first in [0, 1] {
-                    let slice = |b| (1..=padded(SHAPE_MODES)).flat_map(move |k| self.control(k, b));
-                    a.f32s((first..count).step_by(2).flat_map(slice));
-                }
+                a.u16s((0..count).map(|_| 1));
+                a.f32s((0..count).flat_map(|b| (1..=padded(SHAPE_MODES)).flat_map(move |k| self.control(k, b))));
                 a.f32s((0..count).flat_map(|b| self.control(0, b)));
                 a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 for _ in 0..2 {
@@ -348,8 +344,7 @@ impl Family {
                 parameter_modes: f32(count, FUNCTIONS, blob()),
                 knots: f32(controls + 4, 1, blob()),
                 slices: blob(),
-                coarse: f32(controls / 2 * padded(SHAPE_MODES), FUNCTIONS, blob()),
-                fine: f32(controls / 2 * padded(SHAPE_MODES), FUNCTIONS, blob()),
+                core: f32(controls * padded(SHAPE_MODES), FUNCTIONS, blob()),
                 axial_controls: f32(controls, FUNCTIONS, blob()),
                 axial_modes: f32(count, FUNCTIONS, blob()),
             };

@@ -120,6 +120,10 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
         report.digest,
         report.database_digest
     );
+    if !report.late.is_empty() {
+        let late: Vec<String> = report.late.iter().map(|p| format!("({}, {})", p[0], p[1])).collect();
+        println!("no samples, because they buckle late: {}", late.join(", "));
+    }
     println!(
         "{} instants to t = {}; symmetry of order {}",
         report.instants, report.end_time, report.symmetry
@@ -135,7 +139,7 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
             format!("{:.1e}", reduced.space_error),
             format!("{:.1e}", reduced.parameter_error),
             reduced.controls.to_string(),
-            format!("{} + {}", reduced.rows[0], reduced.rows[1]),
+            reduced.rows.to_string(),
             format!("{:.4} %", 100.0 * cluster.floor[0]),
         ]);
     }

@@ -5,12 +5,15 @@
 
 use serde::Serialize;
 
-use crate::samples::{SAME_ROW, Sample};
+use crate::samples::{Dent, SAME_ROW, Sample};
 
 /// Least depth of a dent, over a.
 const DENT: f64 = 0.01;
 /// Least depth with which a dent starts where it counts as a jump, over a.
 const JUMP: f64 = 0.05;
+
+/// A dent that is half done later than this came late (l/V); elsewhere it takes 2 to 4.
+const LATE: f64 = 5.0;
 
 /// A jump between samples whose Ca differ by more than this factor is known roughly.
 const ROUGH: f64 = 1.25;
@@ -39,13 +42,20 @@ impl Jump {
     }
 }
 
+/// Whether a dent came late. Just beyond the jump the smooth shape is almost steady: it lasts, the longer the nearer, and then
+/// buckles at once. At some instants such a configuration lies on the one side of the border and at others on the other, and
+/// no neighbour of it on either side is like it.
+pub(crate) fn is_late(dent: Dent) -> bool {
+    dent.depth > JUMP && dent.time > LATE
+}
+
 /// The jumps of all rows, by rising confinement: where the depth of the dent, drawn back from its first two samples in a line to
 /// the last sample without one, is still finite.
 pub(crate) fn jumps(samples: &[Sample]) -> Vec<Jump> {
     let mut points: Vec<[f64; 3]> = samples
         .iter()
         .filter(|s| s.steady)
-        .map(|s| [s.parameters[1], s.parameters[0], s.rear_depth])
+        .map(|s| [s.parameters[1], s.parameters[0], s.dent.depth])
         .collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points
@@ -115,6 +125,14 @@ mod tests {
         assert_eq!(jump(&row([0.0, 0.0, 0.07, 0.21, 0.35])), None);
         assert_eq!(jump(&row([0.03, 0.04, 0.07, 0.1, 0.12])), None);
         assert_eq!(jump(&row([0.0; 5])), None);
+    }
+
+    #[test]
+    fn a_deep_dent_that_lasts_to_come_is_late() {
+        let late = |depth, time| is_late(Dent { depth, time });
+        assert!(late(0.1, 9.4) && !late(0.1, 2.2));
+        // One that grows from nothing takes its time.
+        assert!(!late(0.02, 6.2));
     }
 
     #[test]

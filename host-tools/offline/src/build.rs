@@ -6,7 +6,7 @@ use capsule_database::{Collection, Database};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::border::{Jump, border, jumps};
+use crate::border::{Jump, border, is_late, jumps};
 use crate::bound::bound_factors;
 use crate::compare::{METHODS, distances, predictions};
 use crate::hausdorff::Sector;
@@ -25,6 +25,8 @@ pub struct BuildReport {
     pub samples: usize,
     /// Those of them that never became steady.
     pub unsteady_samples: usize,
+    /// Parameters of the configurations that take no part because they buckle late.
+    pub late: Vec<Vec<f64>>,
     /// Instants of the snapshots, and the last of them.
     pub instants: usize,
     /// See [`BuildReport::instants`].
@@ -77,8 +79,8 @@ pub struct FieldReport {
     pub parameter_rank: usize,
     /// Controls of the splines in time.
     pub controls: usize,
-    /// Rows of the core in 16 and in 8 bits.
-    pub rows: [usize; 2],
+    /// Rows of the core.
+    pub rows: usize,
     /// Modes of the translation.
     pub axial_rank: usize,
     /// Root-mean-square error of the displacement over nodes, instants and samples that the space modes leave, in l.
@@ -193,6 +195,7 @@ pub fn build<'a>(
         cluster_parameter: plan.domain.names[settings.split.map_or(0, |split| split.parameter)].clone(),
         steady_limit: plan.brackets,
         jumps: plan.jumps,
+        late: plan.late,
         bytes: bytes.len(),
         digest,
         database_digest: plan.domain.database_digest,
@@ -234,10 +237,7 @@ fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
         space_rank: space + 1,
         parameter_rank: parameter,
         controls: pod.slices.len(),
-        rows: [
-            pod.slices.iter().map(|slice| slice.coarse).sum(),
-            pod.slices.iter().map(|slice| slice.rows.nrows() - slice.coarse).sum(),
-        ],
+        rows: pod.slices.iter().map(|slice| slice.nrows()).sum(),
         axial_rank: pod.axial_modes.ncols(),
         space_error: snapshots.error_beyond(&pod.space_values, space, samples),
         parameter_error: snapshots.error_beyond(&pod.parameter_values, parameter, samples),
@@ -268,6 +268,8 @@ pub(crate) struct Plan<'a> {
     domain: Domain,
     brackets: Vec<SteadyLimit>,
     jumps: Vec<Jump>,
+    /// Configurations without the samples' smoothness in time.
+    late: Vec<Vec<f64>>,
     parts: Vec<Part>,
     nodes: usize,
 }
@@ -303,6 +305,7 @@ impl<'a> Plan<'a> {
         let has = |time: f64| database.times().iter().any(|t| (t - time).abs() < SAME_TIME);
         let error_times: Vec<f64> = settings.error_times.iter().copied().filter(|t| has(*t)).collect();
         let samples = read(database, &entries, &brackets, settings, &error_times, progress)?;
+        let (late, samples): (Vec<Sample>, Vec<Sample>) = samples.into_iter().partition(|s| is_late(s.dent));
         let parts = clusters(&samples, settings.split, &names)?;
         let range = |d: usize| {
             let values = samples.iter().filter(|s| s.steady).map(|s| s.parameters[d]);
@@ -335,6 +338,7 @@ impl<'a> Plan<'a> {
             domain,
             brackets,
             jumps,
+            late: late.into_iter().map(|sample| sample.parameters).collect(),
             parts,
             nodes: database.mesh().nodes.len(),
             samples,
@@ -378,6 +382,7 @@ impl<'a> Plan<'a> {
             domain,
             brackets: Vec::new(),
             jumps: Vec::new(),
+            late: Vec::new(),
             parts,
             nodes: reference.nodes.len(),
             samples,

@@ -13,9 +13,11 @@ use crate::{OfflineError, Ranks};
 /// a share of the model's own.
 const WORKING_SHARE: f64 = 0.1;
 /// What the splines may add, as a share of the error of the modes.
-const TIME_SHARE: f64 = 0.8;
-/// What rows of the core that are left out may add, and what the digits of the others may.
-const GRADING_SHARE: f64 = 1.25;
+const TIME_SHARE: f64 = 1.2;
+/// What rows of the core that are left out may add.
+const ROWS_SHARE: f64 = 0.5;
+/// What the digits of the modes, of the parameter modes and of the core may add, each.
+const DIGITS_SHARE: f64 = 0.3;
 /// What the translation's modes may leave.
 const AXIAL_SHARE: f64 = 0.05;
 /// The error of the modes where ranks are given instead, l.
@@ -49,7 +51,8 @@ pub(crate) struct DoublePod {
     pub(crate) modes: Mat<f64>,
     /// Psi `[N_c, K_c]`.
     pub(crate) parameter_modes: Mat<f64>,
-    pub(crate) slices: Vec<Slice>,
+    /// The slices G_b `[n, K_c]`: the rows that are not negligible.
+    pub(crate) slices: Vec<Mat<f64>>,
     /// `[N_b, K_a]`
     pub(crate) axial_controls: Mat<f64>,
     /// `[N_c, K_a]`
@@ -58,14 +61,6 @@ pub(crate) struct DoublePod {
     pub(crate) space_values: Vec<f64>,
     /// Singular values of the stacked matrix S of the controls.
     pub(crate) parameter_values: Vec<f64>,
-}
-
-/// A slice G_b of the core.
-pub(crate) struct Slice {
-    /// `[n, K_c]`: the rows that are not negligible.
-    pub(crate) rows: Mat<f64>,
-    /// How many of them need many digits.
-    pub(crate) coarse: usize,
 }
 
 impl Snapshots {
@@ -154,8 +149,8 @@ impl Snapshots {
         let parameter_modes = parameter.subcols(0, columns).to_owned();
         let core = product(&parameter_modes.transpose().to_owned(), &stacked);
 
-        let budget = self.grading(&space_values, size, count).powi(2) * (self.nodes * count) as f64;
-        let slice = |b: usize| graded(Mat::from_fn(size, columns, |k, l| core[(l, b * size + k)]), budget);
+        let budget = self.share(ROWS_SHARE, &space_values, size, count) * (self.nodes * count) as f64;
+        let slice = |b: usize| kept_rows(&Mat::from_fn(size, columns, |k, l| core[(l, b * size + k)]), budget);
 
         let translations: Vec<Mat<f64>> = keep.iter().map(|j| self.fit.controls(&self.translation[*j])).collect();
         let translations = Mat::from_fn(count, slices, |j, b| translations[j][(0, b)]);
@@ -182,19 +177,55 @@ impl Snapshots {
         self.truncation.tolerance().unwrap_or(RANKS_TOLERANCE)
     }
 
-    /// What fewer digits may add, root mean square: finer than the modes that are kept is of no use.
-    fn grading(&self, space_values: &[f64], modes: usize, samples: usize) -> f64 {
-        GRADING_SHARE * self.error_beyond(space_values, modes, samples).max(self.tolerance())
+    /// The mean square of a share of the error of so many modes: finer than the modes that are kept is of no use.
+    fn share(&self, share: f64, space_values: &[f64], modes: usize, samples: usize) -> f64 {
+        let error = self.error_beyond(space_values, modes, samples).max(self.tolerance());
+        (share * error).powi(2)
+    }
+
+    /// What digits may add.
+    fn digits(&self, pod: &DoublePod) -> f64 {
+        let (modes, samples) = (pod.modes.ncols(), pod.parameter_modes.nrows());
+        self.share(DIGITS_SHARE, &pod.space_values, modes, samples)
     }
 
     /// How many of the leading modes need two bytes an entry; `greatest` is the greatest entry of a mode at the nodes.
     pub(crate) fn coarse_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
         let (count, samples) = (pod.modes.ncols(), pod.parameter_modes.nrows());
         let snapshots = (self.shape[0].ncols() * samples) as f64;
-        let budget = self.grading(&pod.space_values, count, samples).powi(2);
         // Of each of the three components of a node, times the mode's mean square coefficient.
         let rounding = |k: usize| 3.0 * rounding(greatest(k)) * pod.space_values[k].powi(2) / snapshots;
-        trailing(count, budget, rounding).next_multiple_of(LANES).min(count)
+        trailing(count, self.digits(pod), rounding)
+            .next_multiple_of(LANES)
+            .min(count)
+    }
+
+    /// How many of the leading parameter modes do.
+    pub(crate) fn coarse_parameter_modes(&self, pod: &DoublePod) -> usize {
+        let psi = &pod.parameter_modes;
+        let greatest = |l: usize| (0..psi.nrows()).map(|j| psi[(j, l)].abs()).fold(0.0, f64::max);
+        // Times the mean square of what the mode is multiplied by at the nodes.
+        let controls = (self.nodes * pod.slices.len()) as f64;
+        let rounding = |l: usize| rounding(greatest(l)) * pod.parameter_values[l].powi(2) / controls;
+        trailing(psi.ncols(), self.digits(pod), rounding)
+    }
+
+    /// How many of the core's leading columns do.
+    pub(crate) fn coarse_columns(&self, pod: &DoublePod) -> usize {
+        let (samples, columns) = pod.parameter_modes.shape();
+        let greatest =
+            |slice: &Mat<f64>, k: usize, from: usize| (from..columns).map(|l| slice[(k, l)].abs()).fold(0.0, f64::max);
+        // Psi is orthonormal over the samples.
+        let error = |from: usize| -> f64 {
+            let rows = pod
+                .slices
+                .iter()
+                .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)));
+            let sum: f64 = rows.map(|(slice, k)| rounding(greatest(slice, k, from))).sum();
+            columns as f64 * sum / (self.nodes * pod.slices.len() * samples) as f64
+        };
+        let budget = self.digits(pod);
+        (0..columns).find(|from| error(*from) <= budget).unwrap_or(columns)
     }
 
     /// What a root-mean-square error of the displacement over the nodes, instants (or controls) and samples is made of, for
@@ -205,21 +236,13 @@ impl Snapshots {
     }
 }
 
-/// Leaves out the last rows of a slice, and digits of those before them, as far as the budget allows: each of both may add
-/// as much to the sum of the squares over all samples, over which the columns of Psi are normalised. What shares a panel is
-/// kept alike.
-fn graded(slice: Mat<f64>, budget: f64) -> Slice {
+/// Leaves out the last rows of a slice, as far as the budget allows: they may add as much to the sum of the squares over
+/// all samples, over which the columns of Psi are normalised. What shares a panel is kept alike.
+fn kept_rows(slice: &Mat<f64>, budget: f64) -> Mat<f64> {
     let (rows, columns) = slice.shape();
-    let all = &slice;
-    let entries = |k: usize| (0..columns).map(move |l| all[(k, l)]);
-    let square = |k: usize| entries(k).map(|x| x * x).sum::<f64>();
-    let rounding = |k: usize| columns as f64 * rounding(entries(k).fold(0.0, |a: f64, x| a.max(x.abs())));
-    let whole = |count: usize, most: usize| count.next_multiple_of(LANES).min(most);
-    let end = whole(trailing(rows, budget, square), rows);
-    Slice {
-        coarse: whole(trailing(end, budget, rounding), end),
-        rows: slice.subrows(0, end).to_owned(),
-    }
+    let square = |k: usize| (0..columns).map(|l| slice[(k, l)].powi(2)).sum::<f64>();
+    let kept = trailing(rows, budget, square).next_multiple_of(LANES).min(rows);
+    slice.subrows(0, kept).to_owned()
 }
 
 /// Mean square of the rounding of numbers to one byte, the greatest of which is the greatest integer: the variance of a
@@ -322,7 +345,7 @@ mod tests {
         for (slice, i) in [(0, 0), (pod.slices.len() - 1, INSTANTS - 1)] {
             for (j, [state, _]) in states.iter().enumerate() {
                 let psi = Mat::from_fn(pod.parameter_modes.ncols(), 1, |l, _| pod.parameter_modes[(j, l)]);
-                let alpha = product(&pod.slices[slice].rows, &psi);
+                let alpha = product(&pod.slices[slice], &psi);
                 for r in 0..12 {
                     let value: f64 = (0..alpha.nrows()).map(|k| modes[(r, k)] * alpha[(k, 0)]).sum();
                     square += (value - state.shape[(r, i)]).powi(2);
@@ -366,10 +389,9 @@ mod tests {
     }
 
     #[test]
-    fn what_grading_leaves_out_keeps_the_budget() {
+    fn what_is_left_out_keeps_the_budget() {
         let slice = Mat::from_fn(20, 7, |k, l| 0.6f64.powi(k as i32) * ((3 * k + l) as f64).cos());
-        let graded = graded(slice.to_owned(), 1e-6);
-        let end = graded.rows.nrows();
+        let end = kept_rows(&slice, 1e-6).nrows();
         let square = |rows: std::ops::Range<usize>| -> f64 {
             rows.flat_map(|k| (0..7).map(move |l| (k, l)))
                 .map(|(k, l)| slice[(k, l)].powi(2))
@@ -377,20 +399,72 @@ mod tests {
         };
         // A panel less would leave too much out.
         assert!(square(end..20) <= 1e-6 && square(end - LANES..20) > 1e-6);
-        assert_eq!([end % LANES, graded.coarse % LANES], [0, 0]);
-        let rounded: f64 = (graded.coarse..end)
-            .map(|k| {
-                let unit = (0..7).map(|l| slice[(k, l)].abs()).fold(0.0, f64::max) / 127.0;
-                (0..7)
-                    .map(|l| (slice[(k, l)] - unit * (slice[(k, l)] / unit).round()).powi(2))
-                    .sum::<f64>()
-            })
-            .sum();
-        assert!(
-            rounded < 2e-6 && 0 < graded.coarse && graded.coarse < end,
-            "{rounded:e} {} {end}",
-            graded.coarse
-        );
+        assert_eq!(end % LANES, 0);
+    }
+
+    /// In the unit in which the greatest is the greatest integer.
+    fn rounded(values: &[f64], integers: f64) -> Vec<f64> {
+        let unit = values.iter().fold(0.0, |a: f64, x| a.max(x.abs())) / integers;
+        values.iter().map(|x| unit * (x / unit).round()).collect()
+    }
+
+    #[test]
+    fn fewer_digits_add_no_more_than_their_share() {
+        let states = states();
+        let snapshots = snapshots(&states, Truncation::Tolerance(2e-4));
+        let pod = snapshots.reduce(&[0, 1, 2, 3, 4]).unwrap();
+        let (samples, columns) = pod.parameter_modes.shape();
+        let psi = |j: usize| (0..columns).map(move |l| (l, j));
+        let mean = |sum: f64| sum / (4 * pod.slices.len() * samples) as f64;
+        let budget = snapshots.digits(&pod);
+
+        let coarse = snapshots.coarse_columns(&pod);
+        assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
+        let error = |coarse: usize| {
+            let mut sum = 0.0;
+            for (slice, k) in pod
+                .slices
+                .iter()
+                .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)))
+            {
+                let row: Vec<f64> = (0..columns).map(|l| slice[(k, l)]).collect();
+                // The columns of two bytes are exact beside those of one.
+                let rest = rounded(&row[coarse..], 127.0);
+                let error = |(l, j): (usize, usize)| match l.checked_sub(coarse) {
+                    Some(m) => (rest[m] - row[l]) * pod.parameter_modes[(j, l)],
+                    None => 0.0,
+                };
+                sum += (0..samples)
+                    .map(|j| psi(j).map(error).sum::<f64>().powi(2))
+                    .sum::<f64>();
+            }
+            mean(sum)
+        };
+        assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
+
+        let coarse = snapshots.coarse_parameter_modes(&pod);
+        assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
+        let error = |coarse: usize| {
+            let modes: Vec<Vec<f64>> = (0..columns)
+                .map(|l| {
+                    let mode: Vec<f64> = (0..samples).map(|j| pod.parameter_modes[(j, l)]).collect();
+                    if l < coarse { mode } else { rounded(&mode, 127.0) }
+                })
+                .collect();
+            let mut sum = 0.0;
+            for (slice, j) in pod
+                .slices
+                .iter()
+                .flat_map(|slice| (0..samples).map(move |j| (slice, j)))
+            {
+                for k in 0..slice.nrows() {
+                    let error = psi(j).map(|(l, j)| slice[(k, l)] * (modes[l][j] - pod.parameter_modes[(j, l)]));
+                    sum += error.sum::<f64>().powi(2);
+                }
+            }
+            mean(sum)
+        };
+        assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
     }
 
     #[test]

@@ -29,12 +29,20 @@ pub(crate) struct Sample {
     /// (Ca, a/l), or those of other people's data.
     pub(crate) parameters: Vec<f64>,
     pub(crate) steady: bool,
-    /// How far the rear pole lies before the rearmost point at the end, as a fraction of a.
-    pub(crate) rear_depth: f64,
+    pub(crate) dent: Dent,
     pub(crate) displacement: State,
     pub(crate) velocity: State,
     /// What a prediction is compared with.
     pub(crate) truth: Vec<Truth>,
+}
+
+/// The dent of the rear: how far the rear pole lies before the rearmost point.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Dent {
+    /// At the end, over a.
+    pub(crate) depth: f64,
+    /// When half of that was reached, in l/V.
+    pub(crate) time: f64,
 }
 
 /// The full-order solution at an instant.
@@ -154,7 +162,7 @@ fn sample(database: &Database, stored: &Trajectory, spacing: f64, truth_times: &
     Ok(Sample {
         parameters: stored.parameters.clone(),
         steady: stored.status.is_steady(),
-        rear_depth: rear_depth(database, stored) / confinement,
+        dent: dent(database.mesh(), stored),
         displacement,
         velocity,
         truth: truths(stored.extended(mesh, truth_times)?),
@@ -241,7 +249,7 @@ pub(crate) fn of_collection(
             parameters: collection.parameters[configuration].clone(),
             // What it has not stopped doing it may go on doing: nothing is extended.
             steady: true,
-            rear_depth: 0.0,
+            dent: Dent::default(),
             displacement,
             velocity,
             truth,
@@ -276,16 +284,21 @@ pub(crate) fn common_symmetry(collection: &Collection, mesh: &Mesh, radius: f64)
     })
 }
 
-/// Distance of the rear pole from the rearmost point at the last snapshot, in l.
-fn rear_depth(database: &Database, stored: &Trajectory) -> f64 {
+fn dent(mesh: &Mesh, stored: &Trajectory) -> Dent {
     let axial = |node: &[f64; 3]| node[0];
-    let reference = &database.mesh().nodes;
-    let pole = (0..reference.len()).min_by(|i, j| reference[*i][0].total_cmp(&reference[*j][0]));
-    let end = stored.positions.last();
-    let rearmost = end.and_then(|nodes| nodes.iter().map(axial).min_by(f64::total_cmp));
-    match (end, pole, rearmost) {
-        (Some(nodes), Some(pole), Some(rearmost)) => nodes[pole][0] - rearmost,
-        _ => 0.0,
+    let reference = &mesh.nodes;
+    let pole = (0..reference.len()).min_by(|i, j| axial(&reference[*i]).total_cmp(&axial(&reference[*j])));
+    let rearmost = |nodes: &[[f64; 3]]| nodes.iter().map(axial).min_by(f64::total_cmp);
+    let depth = |nodes: &Vec<[f64; 3]>| {
+        pole.zip(rearmost(nodes))
+            .map_or(0.0, |(pole, rear)| axial(&nodes[pole]) - rear)
+    };
+    let depths: Vec<f64> = stored.positions.iter().map(depth).collect();
+    let end = depths.last().copied().unwrap_or(0.0);
+    let half = depths.iter().position(|depth| *depth >= 0.5 * end).unwrap_or(0);
+    Dent {
+        depth: end / stored.parameters[1],
+        time: stored.times.get(half).copied().unwrap_or(0.0),
     }
 }
 

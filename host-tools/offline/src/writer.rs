@@ -7,8 +7,9 @@ use capsule_core::model::wire::{
 use capsule_core::{DIAGONAL, MIDPLANE};
 use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
+use std::ops::Range;
 
-use crate::pod::{DoublePod, LANES, Slice, Snapshots};
+use crate::pod::{DoublePod, LANES, Snapshots};
 use crate::settings::Storage;
 use crate::{LeftOut, OfflineError, Settings};
 
@@ -52,8 +53,9 @@ impl Numbers {
         let of_rows = matches!(encoding, Encoding::RowPanels(_));
         let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, x| a.max(x.abs()));
         let units: Vec<f32> = if of_rows {
-            let row = |i| greatest(&mut (0..columns).map(|j| value(i, j)));
-            (0..rows).map(|i| unit(row(i), coarse > 0)).collect()
+            let part = |i, columns: Range<usize>| greatest(&mut columns.map(|j| value(i, j)));
+            let row = |i| unit(part(i, 0..coarse), true).max(unit(part(i, coarse..columns), false));
+            (0..rows).map(row).collect()
         } else {
             let column = |j| greatest(&mut (0..rows).map(|i| value(i, j)));
             (0..columns).map(|j| unit(column(j), j < coarse)).collect()
@@ -331,8 +333,7 @@ struct FieldParts {
     parameter_modes: Numbers,
     knots: Numbers,
     slices: Vec<u8>,
-    coarse: Numbers,
-    fine: Numbers,
+    core: Numbers,
     axial_controls: Numbers,
     axial_modes: Numbers,
 }
@@ -349,29 +350,11 @@ impl FieldParts {
         let greatest = |k| (0..3 * stride).map(|row| at_node(row, k).abs()).fold(0.0, f64::max);
         let coarse_modes = snapshots.coarse_modes(pod, greatest);
         let columns = pod.parameter_modes.ncols();
-        let (mut slices, mut coarse, mut fine) = (Vec::new(), Vec::new(), Vec::new());
-        for slice in &pod.slices {
-            for (rows, stored) in [
-                (0..slice.coarse, &mut coarse),
-                (slice.coarse..slice.rows.nrows(), &mut fine),
-            ] {
-                let panels = rows.len().div_ceil(LANES);
-                slices.push(panels as u32);
-                stored.extend((rows.start..rows.start + LANES * panels).map(|k| (slice, k)));
-            }
-        }
-        let entry = |(slice, k): &(&Slice, usize), l: usize| {
-            if *k < slice.rows.nrows() {
-                slice.rows[(*k, l)]
-            } else {
-                0.0
-            }
-        };
-        let core = |two_bytes: bool, rows: &[(&Slice, usize)]| {
-            let coarse = if two_bytes { columns } else { 0 };
-            Numbers::integers(storage, Encoding::RowPanels, coarse, [rows.len(), columns], |i, l| {
-                entry(&rows[i], l)
-            })
+        let panels = |slice: &Mat<f64>| slice.nrows().div_ceil(LANES);
+        let rows = |slice| (0..LANES * panels(slice)).map(move |k| (slice, k));
+        let core: Vec<(&Mat<f64>, usize)> = pod.slices.iter().flat_map(rows).collect();
+        let entry = |(slice, k): (&Mat<f64>, usize), l: usize| {
+            if k < slice.nrows() { slice[(k, l)] } else { 0.0 }
         };
         let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
         FieldParts {
@@ -385,14 +368,19 @@ impl FieldParts {
             parameter_modes: Numbers::integers(
                 storage,
                 Encoding::Columns,
-                columns,
+                snapshots.coarse_parameter_modes(pod),
                 [pod.parameter_modes.nrows(), columns],
                 |j, l| pod.parameter_modes[(j, l)],
             ),
             knots: Numbers::column(snapshots.knots()),
-            slices: indices(&slices),
-            coarse: core(true, &coarse),
-            fine: core(false, &fine),
+            slices: indices(&pod.slices.iter().map(|slice| panels(slice) as u32).collect::<Vec<_>>()),
+            core: Numbers::integers(
+                storage,
+                Encoding::RowPanels,
+                snapshots.coarse_columns(pod),
+                [core.len(), columns],
+                |i, l| entry(core[i], l),
+            ),
             axial_controls: dense(&pod.axial_controls),
             axial_modes: dense(&pod.axial_modes),
         }
@@ -413,8 +401,7 @@ impl FieldParts {
             parameter_modes: self.parameter_modes.matrix(),
             knots: self.knots.matrix(),
             slices: Blob::new(&self.slices),
-            coarse: self.coarse.matrix(),
-            fine: self.fine.matrix(),
+            core: self.core.matrix(),
             axial_controls: self.axial_controls.matrix(),
             axial_modes: self.axial_modes.matrix(),
         }
@@ -426,8 +413,7 @@ impl FieldParts {
             &self.modes,
             &self.parameter_modes,
             &self.knots,
-            &self.coarse,
-            &self.fine,
+            &self.core,
             &self.axial_controls,
             &self.axial_modes,
         ];
