@@ -12,7 +12,7 @@ const DENT: f64 = 0.01;
 /// Least depth with which a dent starts where it counts as a jump, over a.
 const JUMP: f64 = 0.05;
 
-/// A dent that is half done later than this came late (l/V); elsewhere it takes 2 to 4.
+/// A dent that starts later than this is late (l/V); most start at 2 to 3.
 const LATE: f64 = 5.0;
 
 /// A jump between samples whose Ca differ by more than this factor is known roughly.
@@ -42,11 +42,11 @@ impl Jump {
     }
 }
 
-/// Whether a dent came late. Just beyond the jump the smooth shape is almost steady: it lasts, the longer the nearer, and then
+/// Whether a dent is late. Just beyond the jump the smooth shape is almost steady: it lasts, the longer the nearer, and then
 /// buckles at once. At some instants such a configuration lies on the one side of the border and at others on the other, and
 /// no neighbour of it on either side is like it.
 pub(crate) fn is_late(dent: Dent) -> bool {
-    dent.depth > JUMP && dent.time > LATE
+    dent.depth > JUMP && dent.start > LATE
 }
 
 /// The jumps of all rows, by rising confinement: where the depth of the dent, drawn back from its first two samples in a line to
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_deep_dent_that_lasts_to_come_is_late() {
-        let late = |depth, time| is_late(Dent { depth, time });
+        let late = |depth, start| is_late(Dent { depth, start });
         assert!(late(0.1, 9.4) && !late(0.1, 2.2));
         // One that grows from nothing takes its time.
         assert!(!late(0.02, 6.2));

@@ -41,8 +41,8 @@ pub(crate) struct Sample {
 pub(crate) struct Dent {
     /// At the end, over a.
     pub(crate) depth: f64,
-    /// When half of that was reached, in l/V.
-    pub(crate) time: f64,
+    /// When a tenth of that was reached, in l/V.
+    pub(crate) start: f64,
 }
 
 /// The full-order solution at an instant.
@@ -295,10 +295,10 @@ fn dent(mesh: &Mesh, stored: &Trajectory) -> Dent {
     };
     let depths: Vec<f64> = stored.positions.iter().map(depth).collect();
     let end = depths.last().copied().unwrap_or(0.0);
-    let half = depths.iter().position(|depth| *depth >= 0.5 * end).unwrap_or(0);
+    let start = depths.iter().position(|depth| *depth >= 0.1 * end).unwrap_or(0);
     Dent {
         depth: end / stored.parameters[1],
-        time: stored.times.get(half).copied().unwrap_or(0.0),
+        start: stored.times.get(start).copied().unwrap_or(0.0),
     }
 }
 

@@ -81,6 +81,26 @@ struct Cluster {
     ratios: Vec<f64>,
 }
 
+impl Cluster {
+    /// Adds a sample in its place: they lie by rising last parameter.
+    fn add(&mut self, parameters: &Parameters<f64>, ratio: f64) {
+        let new: Vec<[u8; 4]> = parameters
+            .as_slice()
+            .iter()
+            .map(|value| (*value as f32).to_le_bytes())
+            .collect();
+        let last = |sample: &[[u8; 4]]| sample.last().map_or(0.0, |bytes| f32::from_le_bytes(*bytes));
+        let (samples, _) = self.samples.as_chunks::<4>();
+        let before = samples
+            .chunks(new.len())
+            .take_while(|sample| last(sample) <= last(&new))
+            .count();
+        let at = before * new.as_flattened().len();
+        self.samples.splice(at..at, new.as_flattened().iter().copied());
+        self.ratios.insert(before, ratio);
+    }
+}
+
 impl<'m> Estimator<'m> {
     fn new(model: &'m Model<'m>, until: f64) -> Self {
         let instants = MatrixView::new(&model.contents().error_times);
@@ -131,12 +151,7 @@ impl<'m> Estimator<'m> {
         let place = self.place(&parameters);
         for cluster in &mut self.clusters {
             if cluster.range[0] <= place && place <= cluster.range[1] {
-                let bytes = parameters
-                    .as_slice()
-                    .iter()
-                    .flat_map(|value| (*value as f32).to_le_bytes());
-                cluster.samples.extend(bytes);
-                cluster.ratios.push(ratio);
+                cluster.add(&parameters, ratio);
             }
         }
         Ok(Suggestion {

@@ -8,7 +8,7 @@ mod support;
 use capsule_core::{Method, Model};
 use capsule_database::{Database, Description};
 use capsule_offline::{Settings, Storage, Truncation, build};
-use capsule_study::{SampleErrors, StudyError, leave_one_out, speed, task, touched};
+use capsule_study::{SampleErrors, StudyError, leave_one_out, sample::suggest, speed, task, touched};
 
 fn quiet(_: &str, _: usize, _: usize) {}
 
@@ -80,6 +80,19 @@ fn model_file() -> Vec<u8> {
         ..Settings::default()
     };
     build(&grid::database(directory.path()), &settings, &quiet).unwrap().0
+}
+
+#[test]
+fn suggestions_spread_and_leave_less_to_expect() {
+    let file = model_file();
+    let model = Model::open(&file).unwrap();
+    let found = suggest(&model, 120, 2.0).unwrap();
+    for (i, suggestion) in found.iter().enumerate() {
+        let before = found[..i].iter().any(|other| other.parameters == suggestion.parameters);
+        assert!(!before, "{suggestion:?} comes twice");
+    }
+    let [first, last] = [&found[0], &found[119]].map(|suggestion| suggestion.expected_percent);
+    assert!(last < 0.2 * first, "{first} to {last}");
 }
 
 #[test]
