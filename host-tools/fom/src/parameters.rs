@@ -113,7 +113,7 @@ impl Default for SteadyCriteria {
         Self {
             normal_velocity: 1e-3,
             length_rate: 1e-3,
-            motion: 5e-5,
+            motion: 2e-4,
             earliest_end: 4.0,
         }
     }

@@ -13,11 +13,11 @@ use crate::{OfflineError, Ranks};
 /// a share of the model's own.
 const WORKING_SHARE: f64 = 0.1;
 /// What the splines may add, as a share of the error of the modes.
-const TIME_SHARE: f64 = 1.2;
+const TIME_SHARE: f64 = 2.0;
 /// What rows of the core that are left out may add.
-const ROWS_SHARE: f64 = 0.5;
+const ROWS_SHARE: f64 = 0.35;
 /// What the digits of the modes, of the parameter modes and of the core may add, each.
-const DIGITS_SHARE: f64 = 0.3;
+const DIGITS_SHARE: f64 = 0.2;
 /// What the translation's modes may leave.
 const AXIAL_SHARE: f64 = 0.05;
 /// The error of the modes where ranks are given instead, l.
