@@ -15,7 +15,7 @@ const WORKING_SHARE: f64 = 0.1;
 /// What the splines may add, as a share of the error of the modes.
 const TIME_SHARE: f64 = 2.0;
 /// What rows of the core that are left out may add.
-const ROWS_SHARE: f64 = 0.35;
+const ROWS_SHARE: f64 = 1.0;
 /// What the digits of the modes, of the parameter modes and of the core may add, each.
 const DIGITS_SHARE: f64 = 0.2;
 /// What the translation's modes may leave.
