@@ -402,9 +402,9 @@ mod tests {
         assert_eq!(end % LANES, 0);
     }
 
-    /// In the unit in which the greatest is the greatest integer.
-    fn rounded(values: &[f64], integers: f64) -> Vec<f64> {
-        let unit = values.iter().fold(0.0, |a: f64, x| a.max(x.abs())) / integers;
+    /// In the unit in which the greatest is the greatest integer of one byte.
+    fn rounded(values: &[f64]) -> Vec<f64> {
+        let unit = values.iter().fold(0.0, |a: f64, x| a.max(x.abs())) / 127.0;
         values.iter().map(|x| unit * (x / unit).round()).collect()
     }
 
@@ -429,7 +429,7 @@ mod tests {
             {
                 let row: Vec<f64> = (0..columns).map(|l| slice[(k, l)]).collect();
                 // The columns of two bytes are exact beside those of one.
-                let rest = rounded(&row[coarse..], 127.0);
+                let rest = rounded(&row[coarse..]);
                 let error = |(l, j): (usize, usize)| match l.checked_sub(coarse) {
                     Some(m) => (rest[m] - row[l]) * pod.parameter_modes[(j, l)],
                     None => 0.0,
@@ -448,7 +448,7 @@ mod tests {
             let modes: Vec<Vec<f64>> = (0..columns)
                 .map(|l| {
                     let mode: Vec<f64> = (0..samples).map(|j| pod.parameter_modes[(j, l)]).collect();
-                    if l < coarse { mode } else { rounded(&mode, 127.0) }
+                    if l < coarse { mode } else { rounded(&mode) }
                 })
                 .collect();
             let mut sum = 0.0;
