@@ -284,6 +284,7 @@ pub(crate) fn common_symmetry(collection: &Collection, mesh: &Mesh, radius: f64)
     })
 }
 
+/// The dent that the snapshots show.
 fn dent(mesh: &Mesh, stored: &Trajectory) -> Dent {
     let axial = |node: &[f64; 3]| node[0];
     let reference = &mesh.nodes;
