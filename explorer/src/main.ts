@@ -47,10 +47,9 @@ element("open-model", HTMLButtonElement).addEventListener("click", () => picker.
 picker.addEventListener("change", async () => {
   const [file] = picker.files ?? [];
   picker.value = "";
-  if (file !== undefined) {
-    await show(Capsule.open(new Uint8Array(await file.arrayBuffer()), file.name));
-  }
+  await open(file);
 });
+takeDropped();
 tieLink();
 const address = new URLSearchParams(window.location.search).get("model") ?? SHIPPED;
 await show(Capsule.fetch(new URL(address, window.location.href)));
@@ -70,6 +69,34 @@ async function show(opening: Promise<Capsule>): Promise<void> {
   } catch (error) {
     fail(error);
   }
+}
+
+/** Opens a file of the user's, if there is one. */
+async function open(file: File | undefined): Promise<void> {
+  if (file !== undefined) {
+    await show(Capsule.open(new Uint8Array(await file.arrayBuffer()), file.name));
+  }
+}
+
+/** A file dropped anywhere on the page is opened; without this a browser would leave the page for it. */
+function takeDropped(): void {
+  const over = (isOver: boolean) => document.body.toggleAttribute("data-dropping", isOver);
+  window.addEventListener("dragover", (event) => {
+    if (event.dataTransfer?.types.includes("Files")) {
+      event.preventDefault();
+      over(true);
+    }
+  });
+  window.addEventListener("dragleave", (event) => {
+    if (event.relatedTarget === null) over(false);
+  });
+  window.addEventListener("drop", async (event) => {
+    if (event.dataTransfer?.types.includes("Files")) {
+      event.preventDefault();
+      over(false);
+      await open(event.dataTransfer.files[0]);
+    }
+  });
 }
 
 function resume(): void {

@@ -346,8 +346,21 @@ describe("without", () => {
       await page.click("#failure button");
       assert.equal(await page.getAttribute("body", "data-status"), "ready");
     }
-    // A good file opens, and the page goes on with it.
-    await page.setInputFiles("#model-file", file(model));
+    await page.setInputFiles("#model-file", file(damaged));
+    await page.waitForFunction(() => document.body.dataset.status === "failed");
+    // A good file that is dropped on the page opens, and the page goes on with it.
+    await page.evaluate(async () => {
+      const bytes = await (await fetch("capsule.crom")).arrayBuffer();
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([bytes], "dropped.crom"));
+      for (const type of ["dragover", "drop"]) {
+        const event = new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true });
+        document.body.dispatchEvent(event);
+        if (!event.defaultPrevented) throw new Error(`${type} is left to the browser`);
+        const isShown = document.body.hasAttribute("data-dropping");
+        if (isShown !== (type === "dragover")) throw new Error(`${type}: shown ${isShown}`);
+      }
+    });
     await page.waitForFunction(() => document.body.dataset.status === "ready");
     await settled(page);
     assert.equal(Object.keys(await figures(page)).length, QUANTITIES.length);

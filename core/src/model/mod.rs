@@ -183,7 +183,7 @@ impl<'a> Model<'a> {
 
     /// The cluster that answers for parameters: the first that reaches up to them, else the last. Validation refuses
     /// a model that has none.
-    pub(crate) fn cluster<T: Real>(&self, parameters: &Parameters<T>) -> Option<&Cluster<'a>> {
+    pub fn cluster<T: Real>(&self, parameters: &Parameters<T>) -> Option<&Cluster<'a>> {
         let value = parameters.get(self.contents.split.into());
         let reaches = |cluster: &&Cluster<'a>| {
             let max = T::from_f64(cluster.max);

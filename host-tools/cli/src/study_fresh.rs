@@ -4,6 +4,7 @@ use crate::model::ModelFile;
 use crate::{print, progress};
 use anyhow::{Context, Result};
 use capsule_database::Database;
+use capsule_study::{InstantErrors, InstantStated};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -15,6 +16,10 @@ pub struct Options {
     /// Folder of the test set, a snapshot database
     #[arg(long, value_name = "DIR", default_value = "models/fresh")]
     tests: PathBuf,
+    /// Also what the interpolation errs by alone, without the compression of the file: the folder of the snapshots that the
+    /// model was built from
+    #[arg(long, value_name = "DIR")]
+    samples: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -29,6 +34,7 @@ pub struct Options {
 const EXAMPLES: &str = "\
 Examples:
   capsule-rom study fresh
+  capsule-rom study fresh --samples models/database
   capsule-rom study fresh --model mine.crom --tests runs/ --json
 
 Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
@@ -39,8 +45,9 @@ pub fn run(options: &Options) -> Result<()> {
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
     let tests = Database::open(&options.tests)?;
+    let samples = options.samples.as_deref().map(Database::open).transpose()?;
     let bar = progress::tasks(options.quiet);
-    let fresh = capsule_study::fresh(&model, &tests, &|task, done, of| {
+    let fresh = capsule_study::fresh(&model, &tests, samples.as_ref(), &|task, done, of| {
         progress::show(&bar, task, done, of);
     })?;
     bar.finish_and_clear();
@@ -54,32 +61,38 @@ pub fn run(options: &Options) -> Result<()> {
         "{} configurations; per cent of a; default method: {}",
         fresh.samples, fresh.default
     );
-    let rows: Vec<Vec<String>> = fresh
-        .methods
-        .iter()
-        .flat_map(|(method, errors)| {
-            let stated = &fresh.stated[method].instants;
-            errors
-                .iter()
-                .zip(stated)
-                .map(move |(errors, stated)| (method, errors, stated))
-        })
-        .map(|(method, errors, stated)| {
-            let cells = [
-                errors.lab_mean_percent,
-                errors.lab_max_percent,
-                errors.shape_mean_percent,
-                errors.shape_max_percent,
+    let cells = |name: &str, errors: &InstantErrors, stated: Option<&InstantStated>| -> Vec<String> {
+        let errors_alone = [
+            errors.lab_mean_percent,
+            errors.lab_max_percent,
+            errors.shape_mean_percent,
+            errors.shape_max_percent,
+        ];
+        // Nothing is stated of the interpolation alone.
+        let stated = stated.map_or([None; 3], |stated| {
+            [
                 stated.expected_mean_percent,
                 stated.bound_mean_percent,
                 stated.below_bound_percent,
-            ];
-            let names = [method.to_string(), errors.t.to_string()];
-            names
-                .into_iter()
-                .chain(cells.map(|cell| format!("{cell:.3}")))
-                .collect()
-        })
+            ]
+            .map(Some)
+        });
+        let cell = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.3}"));
+        let names = [name.to_owned(), errors.t.to_string()];
+        let numbers = errors_alone.map(Some).into_iter().chain(stated);
+        names.into_iter().chain(numbers.map(cell)).collect()
+    };
+    let of_methods = fresh.methods.iter().flat_map(|(method, errors)| {
+        let stated = fresh.stated[method].instants.iter().map(Some);
+        errors
+            .iter()
+            .zip(stated)
+            .map(move |(errors, stated)| (*method, errors, stated))
+    });
+    let alone = fresh.interpolation.iter().map(|errors| ("interpolation", errors, None));
+    let rows: Vec<Vec<String>> = of_methods
+        .chain(alone)
+        .map(|(name, errors, stated)| cells(name, errors, stated))
         .collect();
     let headings = [
         "method",

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use capsule_core::model::wire::Method;
 use capsule_core::{Domain, EvaluateError, Evaluator, Frame, Model, Nodes, Parameters, Query, Scene, Workspace};
-use capsule_database::Database;
+use capsule_database::{Database, Entry};
 use rayon::prelude::*;
 
 use crate::hausdorff::{Sector, symmetric_modified_hausdorff};
@@ -50,21 +50,9 @@ pub fn compare(
     times: &[f64],
     progress: Progress,
 ) -> Result<(Vec<f64>, Vec<Comparison>), OfflineError> {
-    let known = |time: &f64| {
-        database
-            .times()
-            .iter()
-            .any(|t| (t - time).abs() < crate::build::SAME_TIME)
-    };
-    let times: Vec<f64> = times.iter().copied().filter(known).collect();
+    let times = stored(database, times);
     let sector = Sector::of(database.symmetry());
-    let entries = database.entries()?;
-    let inside = entries.iter().filter(|entry| {
-        let complete = entry.status.is_steady() || entry.snapshots == database.times().len();
-        let parameters = Parameters::new(&entry.parameters);
-        complete && parameters.is_some_and(|parameters| model.domain(parameters) == Domain::Inside)
-    });
-    let inside: Vec<&[f64]> = inside.map(|entry| &entry.parameters[..]).collect();
+    let inside = inside(model, database)?;
     let done = AtomicUsize::new(0);
     let compared = inside.par_iter().map(|parameters| {
         let truth = Truth::read(database, parameters, &times)?;
@@ -75,6 +63,26 @@ pub fn compare(
     });
     let compared: Result<Vec<[Comparison; 2]>, OfflineError> = compared.collect();
     Ok((times, compared?.into_iter().flatten().collect()))
+}
+
+/// Those of some instants at which a database has snapshots.
+pub(crate) fn stored(database: &Database, times: &[f64]) -> Vec<f64> {
+    let known = |time: &f64| {
+        let mut stored = database.times().iter();
+        stored.any(|t| (t - time).abs() < crate::build::SAME_TIME)
+    };
+    times.iter().copied().filter(known).collect()
+}
+
+/// The configurations of a database that lie in a model's domain and that it can be compared with up to the end.
+pub(crate) fn inside(model: &Model, database: &Database) -> Result<Vec<Vec<f64>>, OfflineError> {
+    let inside = |entry: &Entry| {
+        let complete = entry.status.is_steady() || entry.snapshots == database.times().len();
+        let parameters = Parameters::new(&entry.parameters);
+        complete && parameters.is_some_and(|parameters| model.domain(parameters) == Domain::Inside)
+    };
+    let entries = database.entries()?.into_iter();
+    Ok(entries.filter(inside).map(|entry| entry.parameters).collect())
 }
 
 fn one(
@@ -200,7 +208,7 @@ pub(crate) fn distances(
 }
 
 /// Parameters as the core takes them.
-fn given(parameters: &[f64], model: &Model) -> Result<Parameters<f64>, EvaluateError> {
+pub(crate) fn given(parameters: &[f64], model: &Model) -> Result<Parameters<f64>, EvaluateError> {
     Parameters::new(parameters).ok_or(EvaluateError::ParameterCount {
         expected: model.contents().metadata.parameters.len(),
         found: parameters.len(),

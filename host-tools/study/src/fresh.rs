@@ -25,6 +25,10 @@ pub struct Fresh {
     pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
     /// For each method, what the model states of its errors.
     pub stated: BTreeMap<&'static str, Stated>,
+    /// What the interpolation of direct evaluation errs by alone, without the compression of the file, at each instant; if it
+    /// was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub interpolation: Vec<InstantErrors>,
     /// For each method, each configuration.
     #[serde(skip)]
     pub compared: BTreeMap<&'static str, Vec<Comparison>>,
@@ -56,17 +60,31 @@ pub struct InstantStated {
     pub below_bound_percent: f64,
 }
 
-/// Compares a model with the configurations of a test set that lie in its domain.
+/// Compares a model with the configurations of a test set that lie in its domain; and, with the `samples` that it was built
+/// from, these as they are interpolated.
 ///
 /// # Errors
-/// Those of the database; [`StudyError::NothingToCompare`] if none lies in the domain.
-pub fn fresh(model: &Model, tests: &Database, progress: Progress) -> Result<Fresh, StudyError> {
+/// Those of the databases; [`StudyError::NothingToCompare`] if none lies in the domain.
+pub fn fresh(
+    model: &Model,
+    tests: &Database,
+    samples: Option<&Database>,
+    progress: Progress,
+) -> Result<Fresh, StudyError> {
     let (times, compared) = capsule_offline::compare(model, tests, &TIMES, progress)?;
     if compared.is_empty() || times.is_empty() {
         return Err(StudyError::NothingToCompare);
     }
     let default = name(model.contents().default_method);
-    Ok(Fresh::new(&times, compared, default))
+    let mut fresh = Fresh::new(&times, compared, default);
+    if let Some(samples) = samples {
+        let interpolated = capsule_offline::interpolated(model, samples, tests, &TIMES, progress)?;
+        let errors = interpolated
+            .iter()
+            .map(|i| SampleErrors::new(&i.parameters, &i.laboratory, &i.shape));
+        fresh.interpolation = instant_errors(&times, &errors.collect::<Vec<_>>());
+    }
+    Ok(fresh)
 }
 
 impl Fresh {
@@ -76,6 +94,7 @@ impl Fresh {
             samples: 0,
             methods: BTreeMap::new(),
             stated: BTreeMap::new(),
+            interpolation: Vec::new(),
             compared: BTreeMap::new(),
         };
         for method in [Method::Direct, Method::Paper] {

@@ -82,10 +82,21 @@ pub fn leave_one_out<'a>(
 impl SampleErrors {
     /// Those of a comparison.
     pub(crate) fn of(comparison: &Comparison) -> Self {
+        let Comparison {
+            parameters,
+            laboratory,
+            shape,
+            ..
+        } = comparison;
+        Self::new(parameters, laboratory, shape)
+    }
+
+    /// From fractions of a.
+    pub(crate) fn new(parameters: &[f64], laboratory: &[f64], shape: &[f64]) -> Self {
         Self {
-            parameters: comparison.parameters.clone(),
-            lab_percent: percent(&comparison.laboratory),
-            shape_percent: percent(&comparison.shape),
+            parameters: parameters.to_vec(),
+            lab_percent: percent(laboratory),
+            shape_percent: percent(shape),
         }
     }
 }
@@ -109,11 +120,7 @@ impl Report {
             let values: Vec<SampleErrors> = errors
                 .iter()
                 .filter(|e| e.answers && e.inside && e.method == method)
-                .map(|e| SampleErrors {
-                    parameters: e.parameters.clone(),
-                    lab_percent: percent(&e.laboratory),
-                    shape_percent: percent(&e.shape),
-                })
+                .map(|e| SampleErrors::new(&e.parameters, &e.laboratory, &e.shape))
                 .collect();
             report.methods.insert(name(method), instant_errors(times, &values));
             report.samples = values.len();

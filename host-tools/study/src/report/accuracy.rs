@@ -260,7 +260,7 @@ pub(super) fn calibration(
     model: &Model,
     progress: Progress,
 ) -> Result<Section, StudyError> {
-    let fresh = crate::fresh(model, subject.fresh, progress)?;
+    let fresh = crate::fresh(model, subject.fresh, None, progress)?;
     let mut section = Section::new(
         "True and stated errors",
         &format!(
