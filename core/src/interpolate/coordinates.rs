@@ -124,14 +124,14 @@ impl<T: Real> Row<T> {
         let limit = coordinates.limit.and_then(|limit| limit.at(second)).unwrap_or(T::ONE);
         Self {
             second,
-            stretch: scale * scale / limit.sqrt().sqrt(),
+            stretch: scale * scale / limit.quick_sqrt().quick_sqrt(),
             border: coordinates.border.within(second),
         }
     }
 
     /// The first coordinate in the channel.
     fn root(&self, capillary_number: T) -> T {
-        (self.stretch * capillary_number.max(T::ZERO)).sqrt()
+        (self.stretch * capillary_number.max(T::ZERO)).quick_sqrt()
     }
 
     /// On which side of the border a capillary number lies, if it reaches there.

@@ -19,7 +19,7 @@ pub struct Options {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Truncation: root mean square error of the displacement that each basis may leave, in l, with --from in its unit of
-    /// length [default: 8.5e-5 l; a ten thousandth of the radius]
+    /// length [default: 7.8e-5 l; a ten thousandth of the radius]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
     /// Truncation at the paper's larger ranks: 50 and 50, for displacement and velocity together

@@ -6,7 +6,7 @@ use capsule_database::{Collection, Database};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::border::{Jump, border, is_late, jumps};
+use crate::border::{Jump, border, is_late, jumps, places};
 use crate::bound::bound_factors;
 use crate::compare::{METHODS, distances, predictions};
 use crate::hausdorff::Sector;
@@ -305,6 +305,7 @@ impl<'a> Plan<'a> {
         let has = |time: f64| database.times().iter().any(|t| (t - time).abs() < SAME_TIME);
         let error_times: Vec<f64> = settings.error_times.iter().copied().filter(|t| has(*t)).collect();
         let samples = read(database, &entries, &brackets, settings, &error_times, progress)?;
+        let places = places(&samples);
         let (late, samples): (Vec<Sample>, Vec<Sample>) = samples.into_iter().partition(|s| is_late(s.dent));
         let parts = clusters(&samples, settings.split, &names)?;
         let range = |d: usize| {
@@ -319,12 +320,12 @@ impl<'a> Plan<'a> {
                 error_times: settings.error_times.clone(),
             });
         }
-        let jumps = jumps(&samples);
+        let jumps = jumps(&places);
         let domain = Domain {
             names,
             units: Units::channel(),
             ranges,
-            border: border(&jumps, &samples.iter().map(|s| s.parameters[1]).collect::<Vec<_>>()),
+            border: border(&jumps, &places),
             steady_limit: curve(&brackets),
             times: instants(database.times(), settings.spacing),
             error_times,

@@ -12,6 +12,8 @@ use crate::{OfflineError, Ranks};
 /// Root-mean-square error of the basis in which the snapshots of a cluster are kept while models are built and rebuilt, as
 /// a share of the model's own.
 const WORKING_SHARE: f64 = 0.1;
+/// What the parameter modes may leave, as a share of the error of the modes: every one of them is paid for at every instant.
+const PARAMETER_SHARE: f64 = 1.5;
 /// What the splines may add, as a share of the error of the modes.
 const TIME_SHARE: f64 = 2.0;
 /// What rows of the core that are left out may add.
@@ -142,7 +144,9 @@ impl Snapshots {
         let values = self.nodes * slices * count;
         let (parameter, parameter_values) = left_singular(stacked.as_ref())?;
         let parameter_rank = match self.truncation {
-            Truncation::Tolerance(tolerance) => rank(&parameter_values, tolerance, values).next_multiple_of(LANES),
+            Truncation::Tolerance(tolerance) => {
+                rank(&parameter_values, PARAMETER_SHARE * tolerance, values).next_multiple_of(LANES)
+            }
             Truncation::Ranks(Ranks { parameter, .. }) => parameter,
         };
         let columns = parameter_rank.clamp(1, MAX_MODES).min(parameter.ncols());
