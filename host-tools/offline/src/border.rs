@@ -48,14 +48,18 @@ pub(crate) type Place = [f64; 3];
 /// The steady samples by rising confinement and Ca. A late dent counts as none: the border lies where dents begin to come early,
 /// for most of the time a late one is on the smooth side of it.
 pub(crate) fn places(samples: &[Sample]) -> Vec<Place> {
-    let depth = |dent: Dent| if is_late(dent) { 0.0 } else { dent.depth };
     let mut places: Vec<Place> = samples
         .iter()
         .filter(|s| s.steady)
-        .map(|s| [s.parameters[1], s.parameters[0], depth(s.dent)])
+        .map(|s| [s.parameters[1], s.parameters[0], early_depth(s.dent)])
         .collect();
     places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     places
+}
+
+/// The depth of a dent over a, 0 of a late one.
+fn early_depth(dent: Dent) -> f64 {
+    if is_late(dent) { 0.0 } else { dent.depth }
 }
 
 /// Whether a dent is late. Just beyond the jump the smooth shape is almost steady: it lasts, the longer the nearer, and then
@@ -211,6 +215,10 @@ mod tests {
     fn a_deep_dent_that_lasts_to_come_is_late() {
         let late = |depth, start| is_late(Dent { depth, start });
         assert!(late(0.1, 9.4) && !late(0.1, 2.2));
+        assert_eq!(
+            [9.4, 2.2].map(|start| early_depth(Dent { depth: 0.1, start })),
+            [0.0, 0.1]
+        );
         // One that grows from nothing takes its time.
         assert!(!late(0.02, 6.2));
     }

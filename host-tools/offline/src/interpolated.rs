@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
 use capsule_core::{EvaluateError, Model};
-use capsule_database::Database;
+use capsule_database::{Database, DatabaseError};
 use rayon::prelude::*;
 
 use crate::compare::{Prediction, distances, given, inside, stored};
@@ -31,7 +31,7 @@ pub struct Interpolated {
 /// with the configurations of `tests` that lie in its domain, at those of the `times` at which there are snapshots.
 ///
 /// # Errors
-/// The databases' errors; [`OfflineError::Evaluate`] where the weights cannot be computed.
+/// The databases' errors, or that their meshes differ; [`OfflineError::Evaluate`] where the weights cannot be computed.
 pub fn interpolated(
     model: &Model,
     samples: &Database,
@@ -39,6 +39,11 @@ pub fn interpolated(
     times: &[f64],
     progress: Progress,
 ) -> Result<Vec<Interpolated>, OfflineError> {
+    let [expected, found] = [tests, samples].map(|database| database.mesh().nodes.len());
+    if found != expected {
+        let what = "nodes of the samples' mesh".to_owned();
+        return Err(DatabaseError::WrongLength { what, expected, found }.into());
+    }
     let times = stored(tests, times);
     let sector = Sector::of(tests.symmetry());
     let inside = inside(model, tests)?;

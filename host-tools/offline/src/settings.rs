@@ -71,8 +71,8 @@ pub enum Design {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Truncation {
-    /// As many as bring the error of the displacement by each basis below a tolerance, in l (root mean square over nodes,
-    /// instants and samples), but no more than the core holds.
+    /// As many as bring the error of the displacement by the basis of space below a tolerance, in l (root mean square over nodes,
+    /// instants and samples), and by that of the parameters below one and a half times as much, but no more than the core holds.
     Tolerance(f64),
     /// As many as are asked for, like the paper.
     Ranks(Ranks),

@@ -8,7 +8,7 @@ mod support;
 use capsule_core::{Method, Model};
 use capsule_database::{Database, Description};
 use capsule_offline::{Settings, Storage, Truncation, build};
-use capsule_study::{SampleErrors, StudyError, leave_one_out, sample::suggest, speed, task, touched};
+use capsule_study::{SampleErrors, StudyError, fresh, leave_one_out, sample::suggest, speed, task, touched};
 
 fn quiet(_: &str, _: usize, _: usize) {}
 
@@ -70,6 +70,50 @@ fn a_family_that_the_model_contains_has_no_error() {
         "{stranger:?}"
     );
     assert!(stranger.shape_percent[0] < 0.02, "{stranger:?}");
+}
+
+#[test]
+fn without_truncation_the_interpolation_errs_as_the_model_does() {
+    let [samples, tests, coarse] = [2, 2, 1].map(|n| {
+        let directory = tempfile::tempdir().unwrap();
+        let description = Description::new((0..=16).map(|i| 0.5 * f64::from(i)).collect(), serde_json::Value::Null);
+        let database = Database::create(directory.path(), description, support::octahedral(n)).unwrap();
+        (directory, database)
+    });
+    let family =
+        |database: &Database, [ca, a]: [f64; 2]| support::trajectory(database.mesh(), [ca, a], database.times());
+    for ca in [0.02, 0.05, 0.08, 0.11, 0.14] {
+        for a in [0.8, 0.85, 0.9, 0.95, 1.0] {
+            let mut sample = family(&samples.1, [ca, a]);
+            // One does not belong to the family, so that there is an error.
+            if (ca, a) == (0.08, 0.85) {
+                let fields = sample.positions.iter_mut().chain(&mut sample.velocities);
+                fields.flatten().for_each(|[_, y, z]| (*y, *z) = (1.01 * *y, 1.01 * *z));
+            }
+            samples.1.write(&sample).unwrap();
+            coarse.1.write(&family(&coarse.1, [ca, a])).unwrap();
+        }
+    }
+    for parameters in [[0.07, 0.86], [0.09, 0.84], [0.06, 0.97]] {
+        tests.1.write(&family(&tests.1, parameters)).unwrap();
+    }
+    let (bytes, _) = build(&samples.1, &settings(), &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    let found = fresh(&model, &tests.1, Some(&samples.1), &quiet).unwrap();
+    assert_eq!(found.interpolation.len(), found.methods["direct"].len());
+    for (alone, direct) in found.interpolation.iter().zip(&found.methods["direct"]) {
+        assert!(alone.lab_max_percent > 0.1, "{alone:?}");
+        for (a, b) in [
+            (alone.lab_mean_percent, direct.lab_mean_percent),
+            (alone.lab_max_percent, direct.lab_max_percent),
+            (alone.shape_mean_percent, direct.shape_mean_percent),
+            (alone.shape_max_percent, direct.shape_max_percent),
+        ] {
+            assert!((a - b).abs() < 5e-3, "{alone:?} {direct:?}");
+        }
+    }
+    // Snapshots on another mesh are refused.
+    assert!(fresh(&model, &tests.1, Some(&coarse.1), &quiet).is_err());
 }
 
 /// A model of a small grid of the family.
