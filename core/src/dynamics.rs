@@ -33,7 +33,7 @@ pub(crate) struct Step<T> {
 }
 
 /// The interpolated motion that is learned from, with the settings.
-pub(crate) struct Source<'m, 'a, 's, T, const K: usize> {
+pub(crate) struct Source<'m, 'a, 's, T: Real, const K: usize> {
     /// As many coefficients as the method works in, one of them the translation's.
     pub(crate) motion: Motion<'a, 's, T, K>,
     pub(crate) controls: &'m mut Controls<T, K>,

@@ -9,7 +9,7 @@ use crate::manifold::Times;
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, Reference};
 use crate::model::{MatrixView, Model, apply};
-use crate::motion::{AXIAL_MODES, Contracted, Motion, Quantity, leading};
+use crate::motion::{AXIAL_MODES, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
@@ -21,7 +21,7 @@ const NEGLIGIBLE: f32 = 1e-6;
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
 #[derive(Debug)]
-pub struct Evaluator<'a, T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
+pub struct Evaluator<'a, T: Real, const K: usize = 129, const M: usize = 16, const N: usize = 32> {
     model: &'a Model<'a>,
     workspace: &'a mut Workspace<T, K, M, N>,
 }
@@ -36,7 +36,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         for cluster in &contents.clusters {
             let field = &cluster.field;
             fits("modes", field.modes.columns as usize + 1, K)?;
-            fits("parameter modes", field.parameter_modes.columns as usize, K)?;
+            for span in &field.spans {
+                fits("parameter modes", span.parameter_modes.columns as usize, K)?;
+            }
             fits("axial modes", field.axial_modes.columns as usize, AXIAL_MODES)?;
         }
         fits("neighbours of the kernel", contents.kernel.neighbours as usize, N)?;
@@ -81,15 +83,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
         if domain == Domain::Inside && contents.steady_limit.rows == 0 {
             domain = reach(cluster, query, &workspace.weights)?;
         }
-        let field = &cluster.field;
-        let Contracted { psi, axial } = &mut workspace.contracted;
-        let weights = &workspace.weights;
-        let combine = |modes, out: &mut [T]| {
-            let modes = MatrixView::new(modes);
-            modes.combine(weights.iter(), part_mut(out, 0..modes.columns()));
-        };
-        combine(&field.parameter_modes, psi);
-        combine(&field.axial_modes, axial);
+        workspace.contracted.enter(&cluster.field, &workspace.weights);
         workspace.prepared = Some(Prepared {
             digest,
             query: *query,
@@ -216,7 +210,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
 /// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps what the next
 /// may need.
 #[derive(Debug)]
-pub struct Instant<'e, 'a, T, const K: usize, const M: usize, const N: usize> {
+pub struct Instant<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize> {
     model: &'a Model<'a>,
     cluster: &'a Cluster<'a>,
     workspace: &'e mut Workspace<T, K, M, N>,
@@ -258,16 +252,18 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     fn translation(&mut self, quantity: Quantity) -> T {
         match (self.query.method, quantity) {
             (Method::Direct, _) => {
-                let contracted = &self.workspace.contracted;
-                Motion::<T, K>::new(&self.cluster.field, contracted).translation(self.t, quantity)
+                let Workspace {
+                    weights, contracted, ..
+                } = &mut *self.workspace;
+                Motion::new(&self.cluster.field, weights, contracted).translation(self.t, quantity)
             }
             (Method::Paper, Quantity::Displacement) => {
                 self.displacement();
-                self.workspace.displacement.values[0]
+                self.workspace.displacement.translation
             }
             (Method::Paper, Quantity::Velocity) => {
                 self.velocity();
-                self.workspace.velocity.values[0]
+                self.workspace.velocity.translation
             }
         }
     }
@@ -335,15 +331,15 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
     /// As [`positions`](Self::positions).
     pub fn velocities(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         self.velocity();
-        let Coefficients { values, count, .. } = &self.workspace.velocity;
+        let velocity = &self.workspace.velocity;
         let translation = match scene.frame {
-            Frame::Laboratory => values[0] / self.root_of_nodes(),
+            Frame::Laboratory => velocity.translation / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
         let field = Snapshot {
             mesh: self.model.mesh(),
             modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: part(values, 1..*count).as_chunks().0,
+            coefficients: velocity.shape.factors(velocity.count),
             scale: T::ZERO,
             translation,
         };
@@ -451,9 +447,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         match self.query.method {
             Method::Direct => {
                 let Workspace {
-                    contracted, controls, ..
+                    weights,
+                    contracted,
+                    controls,
+                    ..
                 } = &mut *self.workspace;
-                Motion::new(&self.cluster.field, contracted).coefficients(controls, t, quantity, out);
+                Motion::new(&self.cluster.field, weights, contracted).coefficients(controls, t, quantity, out);
             }
             Method::Paper => {
                 let (mut source, dynamics, scratch) = self.learned();
@@ -463,27 +462,31 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
                 }
             }
         }
-        let shape = part_mut(&mut values, 1..modes.columns() + 1);
+        let [translation, shape @ ..] = part(&values, 0..modes.columns() + 1) else {
+            return;
+        };
         let negligible = match quantity {
             Quantity::Displacement => T::from_f32(NEGLIGIBLE) * self.model.radius(self.query.parameters),
             Quantity::Velocity => T::ZERO,
         };
-        let count = 1 + leading(shape, negligible * self.root_of_nodes());
-        modes.scale(shape);
-        let computed = Coefficients {
-            t: Some(t),
-            values,
-            count,
+        let count = leading(shape, negligible * self.root_of_nodes());
+        let computed = match quantity {
+            Quantity::Displacement => &mut self.workspace.displacement,
+            Quantity::Velocity => &mut self.workspace.velocity,
         };
-        match quantity {
-            Quantity::Displacement => self.workspace.displacement = computed,
-            Quantity::Velocity => self.workspace.velocity = computed,
+        computed.t = Some(t);
+        computed.translation = *translation;
+        computed.count = count;
+        for (out, value) in computed.shape.values.as_flattened_mut().iter_mut().zip(shape) {
+            *out = *value;
         }
+        computed.shape.ready(&modes, count);
     }
 
     /// What the paper's method works with.
     fn learned(&mut self) -> (Source<'_, 'a, '_, T, K>, &mut Dynamics<T, M>, &mut Factor<T>) {
         let Workspace {
+            weights,
             contracted,
             controls,
             dynamics,
@@ -491,7 +494,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             ..
         } = &mut *self.workspace;
         let source = Source {
-            motion: Motion::new(&self.cluster.field, contracted).leading(PAPER_MODES),
+            motion: Motion::new(&self.cluster.field, weights, contracted).leading(PAPER_MODES),
             controls,
             times: Times(self.model.times()),
             settings: &self.model.contents().paper,
@@ -504,7 +507,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         self.displacement();
         let displacement = &self.workspace.displacement;
         let translation = match frame {
-            Frame::Laboratory => displacement.values[0] / self.root_of_nodes(),
+            Frame::Laboratory => displacement.translation / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
         };
         shape(self.model, self.cluster, &self.query, displacement, translation)
@@ -519,11 +522,10 @@ fn shape<'a, 's, T: Real, const K: usize>(
     displacement: &'s Coefficients<T, K>,
     translation: T,
 ) -> Snapshot<'a, 's, T> {
-    let Coefficients { values, count, .. } = displacement;
     Snapshot {
         mesh: model.mesh(),
         modes: MatrixView::new(&cluster.field.modes),
-        coefficients: part(values, 1..*count).as_chunks().0,
+        coefficients: displacement.shape.factors(displacement.count),
         scale: model.scale(&query.parameters),
         translation,
     }

@@ -4,9 +4,10 @@
 //! they are kept, so that an instant beside it costs four multiplications a coefficient.
 
 use crate::Real;
+use crate::interpolate::Weights;
 use crate::linalg::{IN_PAIRS, LANES, dot, part, part_mut};
-use crate::model::wire::Field;
-use crate::model::{Indices, MatrixView};
+use crate::model::wire::{Field, Span};
+use crate::model::{Factors, Indices, MatrixView, Vectors};
 use crate::spline::{ORDER, Splines};
 
 /// The most modes in which the translation's parameters are kept.
@@ -14,10 +15,12 @@ pub(crate) const AXIAL_MODES: usize = 16;
 
 /// What the samples' modes become for a query.
 #[derive(Clone, Debug)]
-pub(crate) struct Contracted<T, const K: usize> {
-    /// psi = Psi^T L, in the units of the core's columns.
-    pub(crate) psi: [T; K],
-    pub(crate) axial: [T; AXIAL_MODES],
+pub(crate) struct Contracted<T: Real, const K: usize> {
+    /// The span that psi belongs to: the one that was asked for last.
+    span: Option<usize>,
+    /// psi = Psi^T L.
+    psi: Vectors<T, K>,
+    axial: Vectors<T, AXIAL_MODES>,
 }
 
 /// The controls that were computed last: number b lies at b mod 4.
@@ -36,22 +39,35 @@ pub(crate) enum Quantity {
 }
 
 /// The interpolated motion, which both methods work on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion<'a, 's, T, const K: usize> {
+#[derive(Debug)]
+pub(crate) struct Motion<'a, 's, T: Real, const K: usize> {
     /// The leading coefficients that are asked for, at most K: the translation and one a mode.
     pub(crate) rank: usize,
     knots: MatrixView<'a>,
-    slices: Indices<'a>,
-    core: MatrixView<'a>,
+    spans: &'s [Span<'a>],
     axial_controls: MatrixView<'a>,
-    contracted: &'s Contracted<T, K>,
+    /// The samples that take part, and their weights.
+    samples: &'s [u16],
+    weights: &'s [T],
+    contracted: &'s mut Contracted<T, K>,
 }
 
 impl<T: Real, const K: usize> Contracted<T, K> {
     pub(crate) const EMPTY: Self = Self {
-        psi: [T::ZERO; K],
-        axial: [T::ZERO; AXIAL_MODES],
+        span: None,
+        psi: Vectors::ZERO,
+        axial: Vectors::ZERO,
     };
+
+    /// Takes the weights of a query, with which the translation's modes are contracted at once, for everything needs them.
+    pub(crate) fn enter<const N: usize>(&mut self, field: &Field<'_>, weights: &Weights<T, N>) {
+        self.span = None;
+        let modes = MatrixView::new(&field.axial_modes);
+        let values = part_mut(self.axial.values.as_flattened_mut(), 0..modes.columns());
+        modes.combine(weights.iter(), values);
+        let controls = MatrixView::new(&field.axial_controls);
+        self.axial.ready(&controls, controls.columns());
+    }
 }
 
 impl<T: Real, const K: usize> Controls<T, K> {
@@ -67,13 +83,19 @@ impl<T: Real, const K: usize> Controls<T, K> {
 }
 
 impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
-    pub(crate) fn new(field: &Field<'a>, contracted: &'s Contracted<T, K>) -> Self {
+    pub(crate) fn new<const N: usize>(
+        field: &'s Field<'a>,
+        weights: &'s Weights<T, N>,
+        contracted: &'s mut Contracted<T, K>,
+    ) -> Self {
+        let (samples, weights) = weights.parts();
         Self {
             rank: field.modes.columns as usize + 1,
             knots: MatrixView::new(&field.knots),
-            slices: Indices::new(&field.slices),
-            core: MatrixView::new(&field.core),
+            spans: &field.spans,
             axial_controls: MatrixView::new(&field.axial_controls),
+            samples,
+            weights,
             contracted,
         }
     }
@@ -87,7 +109,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     /// out <- the leading coefficients at `t` of a quantity, as many as `out` holds.
-    pub(crate) fn coefficients(&self, controls: &mut Controls<T, K>, t: T, quantity: Quantity, out: &mut [T]) {
+    pub(crate) fn coefficients(&mut self, controls: &mut Controls<T, K>, t: T, quantity: Quantity, out: &mut [T]) {
         let (splines, [a, b, c, d]) = self.enter(controls, t);
         let [p, q, r, s] = splines.of(quantity);
         for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
@@ -109,7 +131,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     /// Computes the controls of an instant that are not there yet.
-    fn enter<'c>(&self, controls: &'c mut Controls<T, K>, t: T) -> (Splines<T>, [&'c [T; K]; ORDER]) {
+    fn enter<'c>(&mut self, controls: &'c mut Controls<T, K>, t: T) -> (Splines<T>, [&'c [T; K]; ORDER]) {
         let splines = Splines::at(&self.knots, t);
         let numbers = controls.numbers.iter_mut().zip(&mut controls.rows).enumerate();
         let turn = splines.first % ORDER;
@@ -132,7 +154,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     /// out <- the leading entries of control number `b`, the translation's first; zeros beyond the last control.
-    pub(crate) fn control(&self, b: usize, out: &mut [T]) {
+    pub(crate) fn control(&mut self, b: usize, out: &mut [T]) {
         out.fill(T::ZERO);
         if let Some((translation, shape)) = out.split_first_mut() {
             *translation = self.axial_control(b);
@@ -141,34 +163,54 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     fn axial_control(&self, b: usize) -> T {
-        let Contracted { axial, .. } = self.contracted;
-        self.axial_controls
-            .dot(b, part(axial, 0..self.axial_controls.columns()))
+        let axial = self.contracted.axial.factors(self.axial_controls.columns());
+        self.axial_controls.dot(b, axial)
     }
 
-    /// out <- slice b times psi, as far as there are rows.
-    fn shape_control(&self, b: usize, out: &mut [T]) {
-        let mut counts = self.slices.iter();
-        let first: usize = counts.by_ref().take(b).sum();
-        let rows = LANES * counts.next().unwrap_or_default();
-        let Contracted { psi, .. } = self.contracted;
-        let (psi, _) = part(psi, 0..self.core.columns()).as_chunks::<1>();
-        let rows = rows.min(out.len());
-        let width = if IN_PAIRS { 2 } else { 1 };
-        for (group, out) in part_mut(out, 0..rows).chunks_mut(width * LANES).enumerate() {
-            let panel = first + width * group;
-            if IN_PAIRS && out.len() > LANES {
-                products(&self.core, [panel, panel + 1], psi, out);
-            } else {
-                products(&self.core, [panel], psi, out);
+    /// out <- slice b times psi of its span, as far as there are rows.
+    fn shape_control(&mut self, mut b: usize, out: &mut [T]) {
+        for (number, span) in self.spans.iter().enumerate() {
+            let slices = Indices::new(&span.slices);
+            if b >= slices.len() {
+                b -= slices.len();
+                continue;
             }
+            let Contracted { span: known, psi, .. } = &mut *self.contracted;
+            let modes = MatrixView::new(&span.parameter_modes);
+            let core = MatrixView::new(&span.core);
+            if *known != Some(number) {
+                let weights = self.samples.iter().zip(self.weights);
+                let weights = weights.map(|(sample, weight)| ((*sample).into(), *weight));
+                let values = part_mut(psi.values.as_flattened_mut(), 0..modes.columns());
+                modes.combine(weights, values);
+                psi.ready(&core, modes.columns());
+                *known = Some(number);
+            }
+            let mut counts = slices.iter();
+            let first = counts.by_ref().take(b).sum();
+            let rows = LANES * counts.next().unwrap_or_default();
+            let rows = rows.min(out.len());
+            return multiply(&core, first, psi.factors(modes.columns()), part_mut(out, 0..rows));
+        }
+    }
+}
+
+/// out <- rows, from a panel on, times a vector.
+fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out: &mut [T]) {
+    let width = if IN_PAIRS { 2 } else { 1 };
+    for (group, out) in out.chunks_mut(width * LANES).enumerate() {
+        let panel = first + width * group;
+        if IN_PAIRS && out.len() > LANES {
+            products(rows, [panel, panel + 1], x, out);
+        } else {
+            products(rows, [panel], x, out);
         }
     }
 }
 
 /// out <- the rows of some panels times a vector.
 #[inline(always)]
-fn products<T: Real, const P: usize>(rows: &MatrixView<'_>, panels: [usize; P], x: &[[T; 1]], out: &mut [T]) {
+fn products<T: Real, const P: usize>(rows: &MatrixView<'_>, panels: [usize; P], x: Factors<'_, T>, out: &mut [T]) {
     let mut products = [[[T::ZERO; LANES]; 1]; P];
     rows.panels(panels, x, &mut products);
     let products = products.as_flattened().as_flattened();

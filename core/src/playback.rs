@@ -7,7 +7,7 @@
 use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{IN_PAIRS, LANES, in_vectors, part, part_mut};
-use crate::model::{MatrixView, Mesh, Model, components};
+use crate::model::{MatrixView, Mesh, Model, Vectors, components};
 use crate::motion::{Motion, Quantity};
 use crate::reconstruct::{Snapshot, room};
 use crate::spline::ORDER;
@@ -64,7 +64,7 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
         }
         let (controls, frame) = kept.split_at_mut(SURFACES * surface);
 
-        let motion = Motion::new(&cluster.field, &workspace.contracted);
+        let mut motion = Motion::new(&cluster.field, &workspace.weights, &mut workspace.contracted);
         let splines = motion.splines(t);
         let first = splines.first;
         let last = first + ORDER - 1;
@@ -75,11 +75,11 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
             };
             if *known != Some(group) {
                 let modes = MatrixView::new(&cluster.field.modes);
-                let (coefficients, count) = coefficients(&motion, &modes, group);
+                let (coefficients, count) = coefficients(&mut motion, &modes, group);
                 let snapshot = Snapshot {
                     mesh: model.mesh(),
                     modes,
-                    coefficients: part(&coefficients, 0..count),
+                    coefficients: coefficients.factors(count),
                     scale: model.scale(&prepared.query.parameters),
                     translation: T::ZERO,
                 };
@@ -110,26 +110,26 @@ fn frame(surface: usize) -> usize {
     5 * surface / 3
 }
 
-/// Coefficients of the modes, in the units of their columns, of a group of controls: the first of each, then the second ones
-/// ...; and how many of them are not zero.
+/// Coefficients of the modes, of a group of controls, ready for products; and how many of them are not zero.
 #[inline(never)]
 fn coefficients<T: Real, const K: usize>(
-    motion: &Motion<'_, '_, T, K>,
+    motion: &mut Motion<'_, '_, T, K>,
     modes: &MatrixView<'_>,
     group: usize,
-) -> ([[T; ORDER]; K], usize) {
-    let mut coefficients = [[T::ZERO; ORDER]; K];
+) -> (Vectors<T, K, ORDER>, usize) {
+    let mut coefficients = Vectors::ZERO;
     let mut control = [T::ZERO; K];
     for i in 0..ORDER {
         motion.control(ORDER * group + i, &mut control);
         let shape = part_mut(&mut control, 1..modes.columns() + 1);
-        modes.scale(shape);
-        for (coefficients, shape) in coefficients.iter_mut().zip(shape) {
-            coefficients[i] = *shape;
+        for (values, shape) in coefficients.values.iter_mut().zip(shape) {
+            values[i] = *shape;
         }
     }
-    let last = coefficients.iter().rposition(|all| *all != [T::ZERO; ORDER]);
-    (coefficients, last.map_or(0, |last| last + 1))
+    let last = coefficients.values.iter().rposition(|all| *all != [T::ZERO; ORDER]);
+    let count = last.map_or(0, |last| last + 1);
+    coefficients.ready(modes, count);
+    (coefficients, count)
 }
 
 /// Computes a group of surfaces.

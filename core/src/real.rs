@@ -5,6 +5,9 @@ use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A floating-point scalar: `f32` or `f64`.
+///
+/// Products with entries of one byte are sums of whole numbers, which are exact, so that no order of them gives other
+/// bits, and take a microcontroller half as long.
 pub trait Real:
     Copy
     + Debug
@@ -28,6 +31,20 @@ pub trait Real:
     const ONE: Self;
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
+
+    /// A whole number: that of a sum of products.
+    type Whole: Copy + Debug;
+    /// 0.
+    const NO_WHOLE: Self::Whole;
+    /// The greatest sum of the wholes of a vector, without their signs: a power of two, so that more than 128 times it is a whole.
+    const GREATEST_WHOLE: Self;
+
+    /// Without its fraction; 0 for a NaN.
+    fn to_whole(self) -> Self::Whole;
+    /// The nearest number to a whole.
+    fn from_whole(whole: Self::Whole) -> Self;
+    /// A sum and the product of a stored entry and a factor.
+    fn add_product(sum: Self::Whole, entry: i8, factor: Self::Whole) -> Self::Whole;
 
     /// The nearest number to a stored single.
     fn from_f32(value: f32) -> Self;
@@ -69,11 +86,28 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($scalar:ident, $sqrt:path, $quick_sqrt:path, $exp:path) => {
+    ($scalar:ident, $whole:ident, $bits:literal, $sqrt:path, $quick_sqrt:path, $exp:path) => {
         impl Real for $scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $scalar::EPSILON;
+
+            type Whole = $whole;
+            const NO_WHOLE: $whole = 0;
+            const GREATEST_WHOLE: Self = (1_u64 << $bits) as $scalar;
+
+            #[inline(always)]
+            fn to_whole(self) -> $whole {
+                self as $whole
+            }
+            #[inline(always)]
+            fn from_whole(whole: $whole) -> Self {
+                whole as $scalar
+            }
+            #[inline(always)]
+            fn add_product(sum: $whole, entry: i8, factor: $whole) -> $whole {
+                sum.wrapping_add($whole::from(entry).wrapping_mul(factor))
+            }
 
             fn from_f32(value: f32) -> Self {
                 value as $scalar
@@ -112,8 +146,8 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::sqrtf, newton, libm::expf);
-real!(f64, libm::sqrt, libm::sqrt, libm::exp);
+real!(f32, i32, 23, libm::sqrtf, newton, libm::expf);
+real!(f64, i64, 52, libm::sqrt, libm::sqrt, libm::exp);
 
 /// x / sqrt(x) by three of Newton's steps from a guess in the bits: a quarter of the instructions that a correctly rounded
 /// root takes a Cortex-M, whose own no safe code reaches.

@@ -2,18 +2,17 @@
 
 use crate::error::EvaluateError;
 use crate::linalg::{IN_PAIRS, LANES};
-use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, apply};
+use crate::model::{DIAGONAL, Factors, MIDPLANE, MatrixView, Mesh, Model, apply};
 use crate::{Nodes, Real};
 
 /// A field: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation; or `B` of them, which share
 /// one pass over the modes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Snapshot<'a, 's, T, const B: usize = 1> {
+pub(crate) struct Snapshot<'a, 's, T: Real, const B: usize = 1> {
     pub(crate) mesh: Mesh<'a>,
     pub(crate) modes: MatrixView<'a>,
-    /// Coefficients of the leading shape modes, in the units of their columns: the first of each field, then the second ones
-    /// ...
-    pub(crate) coefficients: &'s [[T; B]],
+    /// Coefficients of the leading shape modes.
+    pub(crate) coefficients: Factors<'s, T, B>,
     /// Factor of the reference nodes: a/l for positions, 0 for velocities.
     pub(crate) scale: T,
     /// Added to the axial component.
@@ -147,10 +146,10 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
     /// No such node; a result that is not finite.
     pub(crate) fn node(&self, node: usize) -> Result<[T; 3], EvaluateError> {
         let (representative, operation) = self.origin(node)?;
-        let (coefficients, rows) = (self.coefficients.as_flattened(), LANES * self.mesh.panels());
+        let rows = LANES * self.mesh.panels();
         let reference = self.mesh.sector_node(representative);
         let vector = core::array::from_fn(|axis| {
-            let displacement = self.modes.dot(axis * rows + representative, coefficients);
+            let displacement = self.modes.dot(axis * rows + representative, self.coefficients);
             displacement + self.rest(&reference, axis)
         });
         finite(apply(operation, vector))
@@ -174,7 +173,7 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
 }
 
 /// Nodes one after the other. Those that lie together in the sector, as an outline's do, share panels.
-pub(crate) struct Walk<'f, 'a, 's, T> {
+pub(crate) struct Walk<'f, 'a, 's, T: Real> {
     field: &'f Snapshot<'a, 's, T>,
     /// The panel that was computed last, of each component.
     known: [(usize, Lanes<T>); 3],

@@ -3,6 +3,7 @@
 use crate::dynamics::Dynamics;
 use crate::interpolate::Weights;
 use crate::linalg::LANES;
+use crate::model::Vectors;
 use crate::motion::{Contracted, Controls};
 use crate::{Domain, Query, Real};
 
@@ -15,7 +16,7 @@ use crate::{Domain, Query, Real};
 /// In this order, what is small lies before what is large: a Cortex-M reaches the first 4 KiB in one instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub struct Workspace<T, const K: usize = 97, const M: usize = 16, const N: usize = 32> {
+pub struct Workspace<T: Real, const K: usize = 129, const M: usize = 16, const N: usize = 32> {
     pub(crate) prepared: Option<Prepared<T>>,
     pub(crate) weights: Weights<T, N>,
     pub(crate) displacement: Coefficients<T, K>,
@@ -46,19 +47,21 @@ pub(crate) struct Prepared<T> {
     pub(crate) domain: Domain,
 }
 
-/// Coefficients of a field in the units of the modes' columns, and the instant that they belong to.
+/// Coefficients of a field, the shape's ready for products with the modes, and the instant that they belong to.
 #[derive(Clone, Debug)]
-pub(crate) struct Coefficients<T, const K: usize> {
+pub(crate) struct Coefficients<T: Real, const K: usize> {
     pub(crate) t: Option<T>,
-    pub(crate) values: [T; K],
-    /// How many of the leading ones count.
+    pub(crate) translation: T,
+    pub(crate) shape: Vectors<T, K>,
+    /// How many of the shape's leading ones count.
     pub(crate) count: usize,
 }
 
 impl<T: Real, const K: usize> Coefficients<T, K> {
     const EMPTY: Self = Self {
         t: None,
-        values: [T::ZERO; K],
+        translation: T::ZERO,
+        shape: Vectors::ZERO,
         count: 0,
     };
 }

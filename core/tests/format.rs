@@ -46,7 +46,7 @@ fn what_was_written_is_read_in_place() {
     same(&read.times.blob, &contents.times.blob);
     for (a, b) in read.clusters.iter().zip(&contents.clusters) {
         same(&a.samples.blob, &b.samples.blob);
-        same(&a.field.core.blob, &b.field.core.blob);
+        same(&a.field.spans[1].core.blob, &b.field.spans[1].core.blob);
         same(&a.paper_errors.deviation.blob, &b.paper_errors.deviation.blob);
     }
     assert_eq!(blobs, 9);
@@ -116,10 +116,10 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 8);
-    assert_eq!(newer, OpenError::Version { found: 8, supported: 7 });
+    let newer = open(&|file| file[4] = 9);
+    assert_eq!(newer, OpenError::Version { found: 9, supported: 8 });
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 7 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 8 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -182,8 +182,8 @@ fn wrong_dimensions_are_refused() {
     };
     dimension("clusters")(refused(|c| c.clusters.clear()));
     rows("modes")(refused(|c| c.clusters[0].field.modes.rows += 1));
-    rows("parameter modes")(refused(|c| c.clusters[1].field.parameter_modes.rows += 1));
-    columns("core")(refused(|c| c.clusters[1].field.core.columns += 1));
+    rows("parameter modes")(refused(|c| c.clusters[1].field.spans[1].parameter_modes.rows += 1));
+    columns("core")(refused(|c| c.clusters[1].field.spans[0].core.columns += 1));
     columns("knots")(refused(|c| c.clusters[0].field.knots.columns = 2));
     dimension("knots")(refused(|c| c.clusters[0].field.knots = Matrix::f32(7, 1, &[0; 28])));
     rows("axial controls")(refused(|c| c.clusters[0].field.axial_controls.rows -= 1));
@@ -203,12 +203,13 @@ fn wrong_dimensions_are_refused() {
     length(refused(|c| c.mesh.images.data = &c.mesh.images.data[2..]));
     length(refused(|c| c.times.rows = u32::MAX));
     length(refused(|c| c.clusters[0].field.modes.blob.data = &[0; 4]));
-    length(refused(|c| c.clusters[0].field.slices.data = &[0; 4]));
+    dimension("rows of the core")(refused(|c| c.clusters[0].field.spans[0].slices.data = &[0; 4]));
+    dimension("slices")(refused(|c| c.clusters[0].field.spans.truncate(1)));
     let slices = |value| {
         move |c: &mut Contents<'_>| {
-            let mut data = c.clusters[1].field.slices.data.to_vec();
+            let mut data = c.clusters[1].field.spans[1].slices.data.to_vec();
             data[0] = value;
-            c.clusters[1].field.slices.data = data.leak();
+            c.clusters[1].field.spans[1].slices.data = data.leak();
         }
     };
     let more_than_modes = refused(slices(9));
@@ -244,10 +245,11 @@ fn wrong_numbers_are_refused() {
             c.clusters[1].field.modes = changed(&c.clusters[1].field.modes, 5, value)
         }));
         number("core")(refused(|c| {
-            c.clusters[0].field.core = changed(&c.clusters[0].field.core, 5, value);
+            c.clusters[0].field.spans[0].core = changed(&c.clusters[0].field.spans[0].core, 5, value);
         }));
         number("parameter modes")(refused(|c| {
-            c.clusters[0].field.parameter_modes = changed(&c.clusters[0].field.parameter_modes, 5, value);
+            c.clusters[0].field.spans[1].parameter_modes =
+                changed(&c.clusters[0].field.spans[1].parameter_modes, 5, value);
         }));
         number("axial controls")(refused(|c| {
             c.clusters[0].field.axial_controls = changed(&c.clusters[0].field.axial_controls, 0, value)
@@ -391,10 +393,10 @@ fn the_message_is_postcard() {
     contents.metadata.title = "a µ-capsule";
     contents.default_method = Method::Paper;
     contents.clusters[0].field.modes.encoding = Encoding::Columns(Digits { coarse: 300 });
-    contents.clusters[1].field.core.encoding = Encoding::RowPanels(Digits { coarse: 0 });
+    contents.clusters[1].field.spans[0].core.encoding = Encoding::RowPanels(Digits { coarse: 0 });
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.clusters[0].field.modes.encoding = Encoding::F32;
-    contents.clusters[1].field.core.encoding = Encoding::F32;
+    contents.clusters[1].field.spans[0].core.encoding = Encoding::F32;
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.steady_limit = Matrix::f32(0, 2, &[]);
     contents.mesh.reference = Reference::Shape { radius: 0.9 };

@@ -28,6 +28,9 @@ const PANEL: usize = 8 * SHAPE_MODES;
 /// Reads of one control of the splines: a panel, and the translation's row.
 const CONTROL: usize = (8 + 1) * FUNCTIONS;
 
+/// Reads of a span's parameter modes: a row of each sample that takes part.
+const SPAN: usize = 24 * FUNCTIONS;
+
 /// Panels that nodes fill.
 fn panels(nodes: &[u16]) -> usize {
     nodes.len().div_ceil(8)
@@ -56,8 +59,8 @@ fn a_scene_pays_for_itself_alone() {
     let mut instant = evaluator.at(Counted(1.23)).unwrap();
     let list = [5];
     let first = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
-    // Four controls, and the search for the interval.
-    let interval = 4 * CONTROL;
+    // Four controls, of two spans of time, and the search for the interval.
+    let interval = 4 * CONTROL + 2 * SPAN;
     assert!((NODE + interval..NODE + interval + 40).contains(&first), "{first}");
     let again = reads(|| instant.positions(&scene(Nodes::List(&list)), &mut buffer).unwrap());
     let only = |found: usize, expected: usize| assert!((expected..=expected + CONSTANTS).contains(&found), "{found}");
@@ -164,7 +167,7 @@ fn a_scene_computes_for_itself_alone() {
     let mut velocity = |list: &[u16]| operations(|| instant.velocities(&scene(Nodes::List(list)), &mut nodes).unwrap());
     let (first, one) = (velocity(&[5]), velocity(&[5]));
     assert!(
-        first < one + 4 * control + 8 * (SHAPE_MODES + 1) + splines,
+        first < one + 4 * control + 2 * 2 * SPAN + 8 * (SHAPE_MODES + 1) + splines,
         "{first} {one}"
     );
 

@@ -25,8 +25,8 @@ fn modest(change: impl FnOnce(&mut Contents<'_>)) -> Vec<u8> {
 /// Gives the motion parameter modes that are zero.
 fn widen(contents: &mut Contents<'_>, columns: usize) {
     for cluster in &mut contents.clusters {
-        let field = &mut cluster.field;
-        for matrix in [&mut field.parameter_modes, &mut field.core] {
+        let spans = cluster.field.spans.iter_mut();
+        for matrix in spans.flat_map(|span| [&mut span.parameter_modes, &mut span.core]) {
             let mut bytes = Vec::new();
             for row in matrix.blob.data.chunks(4 * matrix.columns as usize) {
                 bytes.extend_from_slice(row);

@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 // The most modes of a field that a workspace holds, the translation included.
-#define CAPSULE_MOST_MODES 97
+#define CAPSULE_MOST_MODES 129
 
 // The most local modes of a field that a workspace holds.
 #define CAPSULE_MOST_LOCAL_MODES 16
@@ -33,7 +33,7 @@
 #define CAPSULE_MOST_NEIGHBOURS 32
 
 // Words of eight bytes in a workspace.
-#define CAPSULE_WORKSPACE_WORDS 3100
+#define CAPSULE_WORKSPACE_WORDS 3398
 
 // Bytes of a workspace.
 #define CAPSULE_WORKSPACE_SIZE (CAPSULE_WORKSPACE_WORDS * 8)
@@ -42,7 +42,7 @@
 #define CAPSULE_WORKSPACE_ALIGNMENT 8
 
 // Words of eight bytes in a model.
-#define CAPSULE_MODEL_WORDS 528
+#define CAPSULE_MODEL_WORDS 689
 
 // Bytes of a model.
 #define CAPSULE_MODEL_SIZE (CAPSULE_MODEL_WORDS * 8)

@@ -7,20 +7,20 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 
 /// The most modes of a field that a workspace holds, the translation included.
-pub const MOST_MODES: usize = 97;
+pub const MOST_MODES: usize = 129;
 /// The most local modes of a field that a workspace holds.
 pub const MOST_LOCAL_MODES: usize = 16;
 /// The most samples that take part in a query.
 pub const MOST_NEIGHBOURS: usize = 32;
 
 /// Words of eight bytes in a workspace.
-pub const WORKSPACE_WORDS: usize = 3100;
+pub const WORKSPACE_WORDS: usize = 3398;
 /// Bytes of a workspace.
 pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
 /// Alignment of a workspace.
 pub const WORKSPACE_ALIGNMENT: usize = 8;
 /// Words of eight bytes in a model.
-pub const MODEL_WORDS: usize = 528;
+pub const MODEL_WORDS: usize = 689;
 /// Bytes of a model.
 pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
 /// Alignment of a model.

@@ -53,7 +53,7 @@ impl<'a> Coordinates<'a> {
             scale,
             last,
             root: row.root(query[0]),
-            side: row.side(query[0]),
+            side: self.border.below([query[0], query[1]]),
             row,
         }
     }
@@ -105,8 +105,15 @@ impl<T: Real> Around<'_, '_, T> {
             offset[0] = self.row.root(first) - self.root;
         }
         let square = square(offset);
-        let apart = || self.row.side(first).zip(self.side).is_some_and(|(a, b)| a != b);
-        (square < limit && !apart()).then_some((square, offset))
+        (square < limit && !self.apart(first)).then_some((square, offset))
+    }
+
+    /// Whether the border lies between the query and a sample of the row.
+    fn apart(&mut self, capillary_number: T) -> bool {
+        let Some(side) = self.side else { return false };
+        let curve = &self.coordinates.border;
+        let border = *self.row.border.get_or_insert_with(|| curve.within(self.row.second));
+        border.is_some_and(|border| (capillary_number < border) != side)
     }
 }
 
@@ -116,7 +123,8 @@ struct Row<T> {
     second: T,
     /// s_0^2 / Ca_lim(a/l)^(1/4)
     stretch: T,
-    border: Option<T>,
+    /// Of the row, if the border reaches there: looked up when a sample is near enough to ask.
+    border: Option<Option<T>>,
 }
 
 impl<T: Real> Row<T> {
@@ -125,17 +133,12 @@ impl<T: Real> Row<T> {
         Self {
             second,
             stretch: scale * scale / limit.quick_sqrt().quick_sqrt(),
-            border: coordinates.border.within(second),
+            border: None,
         }
     }
 
     /// The first coordinate in the channel.
     fn root(&self, capillary_number: T) -> T {
         (self.stretch * capillary_number.max(T::ZERO)).quick_sqrt()
-    }
-
-    /// On which side of the border a capillary number lies, if it reaches there.
-    fn side(&self, capillary_number: T) -> Option<bool> {
-        self.border.map(|border| capillary_number < border)
     }
 }

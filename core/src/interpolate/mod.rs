@@ -195,8 +195,16 @@ impl<T: Real, const N: usize> Weights<T, N> {
 
     /// The samples that take part and their weights.
     pub fn iter(&self) -> impl Iterator<Item = (usize, T)> + '_ {
-        let placed = part(&self.samples, 0..self.count).iter().zip(&self.values);
-        placed.map(|(&sample, &value)| (sample.into(), value))
+        let (samples, values) = self.parts();
+        samples
+            .iter()
+            .zip(values)
+            .map(|(&sample, &value)| (sample.into(), value))
+    }
+
+    /// The samples that take part, and their weights.
+    pub(crate) fn parts(&self) -> (&[u16], &[T]) {
+        (part(&self.samples, 0..self.count), part(&self.values, 0..self.count))
     }
 
     /// sum |L_j|: how much noise in the data may grow.

@@ -44,6 +44,77 @@ pub(crate) fn add_panel<E: Copy, T: Real, const B: usize>(
     *lanes = sums;
 }
 
+/// A panel with entries of one byte times vector number `b`, in wholes.
+pub(crate) fn whole_panel<T: Real, const B: usize>(
+    panel: &[[u8; LANES]],
+    x: &[[T::Whole; B]],
+    b: usize,
+) -> [T::Whole; LANES] {
+    // Four sums, the entry and the factor are as much as a Cortex-M has registers for beside what it needs to get them.
+    let [p, q, r, s] = whole_half::<T, B, 0>(panel, x, b);
+    let [t, u, v, w] = whole_half::<T, B, 4>(panel, x, b);
+    [p, q, r, s, t, u, v, w]
+}
+
+/// Four rows of it, from row `FIRST` on.
+#[inline(never)]
+fn whole_half<T: Real, const B: usize, const FIRST: usize>(
+    panel: &[[u8; LANES]],
+    x: &[[T::Whole; B]],
+    b: usize,
+) -> [T::Whole; 4] {
+    let [mut p, mut q, mut r, mut s] = [T::NO_WHOLE; 4];
+    for (entries, x) in panel.iter().zip(x) {
+        let (entry, x) = (|lane: usize| entries[FIRST + lane].cast_signed(), x[b]);
+        p = T::add_product(p, entry(0), x);
+        q = T::add_product(q, entry(1), x);
+        r = T::add_product(r, entry(2), x);
+        s = T::add_product(s, entry(3), x);
+    }
+    [p, q, r, s]
+}
+
+/// As [`add_panels`], of entries of one byte, in wholes.
+#[inline(always)]
+pub(crate) fn add_whole_panels<T: Real, const B: usize, const P: usize>(
+    panels: [&[[u8; LANES]]; P],
+    x: &[[T::Whole; B]],
+    lanes: &mut [[[T::Whole; LANES]; B]; P],
+) {
+    let count = panels.iter().fold(x.len(), |count, panel| count.min(panel.len()));
+    let (panels, x) = (panels.map(|panel| part(panel, 0..count)), part(x, 0..count));
+    let mut sums = *lanes;
+    for (column, x) in x.iter().enumerate() {
+        for (sums, panel) in sums.iter_mut().zip(panels) {
+            let Some(entries) = panel.get(column) else { continue };
+            for (sums, x) in sums.iter_mut().zip(x) {
+                *sums = add_whole_column::<T>(*sums, entries, *x);
+            }
+        }
+    }
+    *lanes = sums;
+}
+
+/// As [`add_column`], of wholes.
+#[inline(always)]
+fn add_whole_column<T: Real>(
+    [l0, l1, l2, l3, l4, l5, l6, l7]: [T::Whole; LANES],
+    [a0, a1, a2, a3, a4, a5, a6, a7]: &[u8; LANES],
+    x: T::Whole,
+) -> [T::Whole; LANES] {
+    let add = |sum, entry: &u8| T::add_product(sum, entry.cast_signed(), x);
+    [
+        add(l0, a0),
+        add(l1, a1),
+        add(l2, a2),
+        add(l3, a3),
+        add(l4, a4),
+        add(l5, a5),
+        add(l6, a6),
+        add(l7, a7),
+    ]
+}
+
 /// As [`add_panel`] for several panels at a time, which have as many columns: a sum waits for the one before, and meanwhile
 /// those of the other panels go on.
 #[inline(always)]

@@ -2,7 +2,9 @@
 
 use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{IN_PAIRS, LANES, add_by, add_panel, add_panels, in_vectors, part};
+use crate::linalg::{
+    IN_PAIRS, LANES, add_by, add_panel, add_panels, add_whole_panels, in_vectors, part, part_mut, whole_panel,
+};
 use core::ops::Range;
 
 /// A stored matrix; the bytes need not be aligned.
@@ -69,6 +71,67 @@ impl Units<'_> {
         match self {
             Self::OfColumns(units) => units.get(column).copied().map(f32::from_le_bytes),
             _ => None,
+        }
+    }
+}
+
+/// At most `K` entries of `B` vectors, the first of each, then the second ones ..., for products with a matrix.
+#[derive(Clone, Debug)]
+pub(crate) struct Vectors<T: Real, const K: usize, const B: usize = 1> {
+    pub(crate) values: [[T; B]; K],
+    /// Those that meet entries of one byte, as multiples of a unit without a fraction.
+    wholes: [[T::Whole; B]; K],
+    units: [T; B],
+}
+
+/// The leading entries of vectors that are ready for products.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Factors<'s, T: Real, const B: usize = 1> {
+    values: &'s [[T; B]],
+    wholes: &'s [[T::Whole; B]],
+    units: [T; B],
+}
+
+impl<T: Real, const K: usize, const B: usize> Vectors<T, K, B> {
+    pub(crate) const ZERO: Self = Self {
+        values: [[T::ZERO; B]; K],
+        wholes: [[T::NO_WHOLE; B]; K],
+        units: [T::ZERO; B],
+    };
+
+    /// Makes the leading entries ready for products with a matrix: takes the units of its columns into them, and says those
+    /// that meet entries of one byte in wholes. Where one is not finite, no product will be a number.
+    pub(crate) fn ready(&mut self, matrix: &MatrixView<'_>, count: usize) {
+        let values = part_mut(&mut self.values, 0..count);
+        for (column, values) in values.iter_mut().enumerate() {
+            if let Some(unit) = matrix.units.of_column(column) {
+                values.iter_mut().for_each(|value| *value *= T::from_f32(unit));
+            }
+        }
+        let coarse = matrix.coarse();
+        for (b, unit) in self.units.iter_mut().enumerate() {
+            let fine = values.iter().zip(&mut self.wholes).skip(coarse);
+            let sum = values.iter().skip(coarse).fold(T::ZERO, |sum, x| sum + x[b].abs());
+            let inverse = if sum > T::ZERO {
+                T::GREATEST_WHOLE / sum
+            } else {
+                T::ZERO
+            };
+            for (value, whole) in fine {
+                let multiple = value[b] * inverse;
+                let half = T::from_f32(if multiple < T::ZERO { -0.5 } else { 0.5 });
+                whole[b] = (multiple + half).to_whole();
+            }
+            *unit = sum / T::GREATEST_WHOLE;
+        }
+    }
+
+    /// As many leading entries.
+    pub(crate) fn factors(&self, count: usize) -> Factors<'_, T, B> {
+        Factors {
+            values: part(&self.values, 0..count),
+            wholes: part(&self.wholes, 0..count),
+            units: self.units,
         }
     }
 }
@@ -180,8 +243,8 @@ impl<'a> MatrixView<'a> {
         (0..self.rows).map(move |row| [0, 1].map(|column| T::from_f32(self.get(row, column))))
     }
 
-    /// x <- x times the units of the columns, where they have any: products take such vectors.
-    pub(crate) fn scale<T: Real>(&self, x: &mut [T]) {
+    /// x <- x times the units of the columns, where they have any.
+    fn scale<T: Real>(&self, x: &mut [T]) {
         for (column, x) in x.iter_mut().enumerate() {
             if let Some(unit) = self.units.of_column(column) {
                 *x *= T::from_f32(unit);
@@ -189,28 +252,38 @@ impl<'a> MatrixView<'a> {
         }
     }
 
-    /// Row times a [scaled](Self::scale) vector, over as many columns as the vector has. The bits are those of its
-    /// [panel](Self::panel).
-    pub(crate) fn dot<T: Real>(&self, row: usize, x: &[T]) -> T {
+    /// How many of the leading columns are multiplied as they are.
+    fn coarse(&self) -> usize {
+        match self.entries {
+            Entries::Panels(integers) => integers.coarse,
+            Entries::Singles(_) | Entries::Rows(_) => self.columns,
+        }
+    }
+
+    /// Row times a vector, over as many columns as the vector has. The bits are those of its [panel](Self::panel).
+    pub(crate) fn dot<T: Real>(&self, row: usize, x: Factors<'_, T>) -> T {
+        let values = x.values.as_flattened();
         let sum = match self.entries {
             Entries::Panels(integers) => {
                 let (shorts, small) = integers.panel(row / LANES, self.columns);
-                let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
                 let lane = row % LANES;
-                let shorts = shorts.iter().map(|column| short(column[lane])).zip(leading);
-                let small = small.iter().map(|column| self::small(column[lane])).zip(trailing);
+                let shorts = shorts.iter().map(|column| short(column[lane])).zip(values);
                 let sum = shorts.fold(T::ZERO, |sum, (entry, x)| sum + T::from_f32(entry) * *x);
-                small.fold(sum, |sum, (entry, x)| sum + T::from_f32(entry) * *x)
+                let wholes = x.wholes.as_flattened().iter().skip(integers.coarse);
+                let small = small.iter().map(|column| column[lane].cast_signed()).zip(wholes);
+                let whole = small.fold(T::NO_WHOLE, |sum, (entry, x)| T::add_product(sum, entry, *x));
+                let [unit] = x.units;
+                sum + unit * T::from_whole(whole)
             }
             Entries::Singles(entries) => {
                 let start = row * self.columns;
-                let entries = part(entries, start..start + x.len()).iter().zip(x);
+                let entries = part(entries, start..start + values.len()).iter().zip(values);
                 entries.fold(T::ZERO, |sum, (entry, x)| {
                     sum + T::from_f32(f32::from_le_bytes(*entry)) * *x
                 })
             }
             Entries::Rows(_) => {
-                let entries = x.iter().enumerate();
+                let entries = values.iter().enumerate();
                 entries.fold(T::ZERO, |sum, (column, x)| {
                     sum + T::from_f32(self.entry(row, column)) * *x
                 })
@@ -219,13 +292,13 @@ impl<'a> MatrixView<'a> {
         self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
     }
 
-    /// products <- the eight rows of each of some panels times some [scaled](Self::scale) vectors, over as many columns as these
-    /// have; `x` holds the vectors' first entries, then their second ones ... A panel's bits do not depend on the others.
+    /// products <- the eight rows of each of some panels times some vectors, over as many columns as these have. A panel's bits
+    /// do not depend on the others.
     #[inline(always)]
     pub(crate) fn panels<T: Real, const B: usize, const P: usize>(
         &self,
         panels: [usize; P],
-        x: &[[T; B]],
+        x: Factors<'_, T, B>,
         products: &mut [[[T; LANES]; B]; P],
     ) {
         if let Entries::Panels(integers) = self.entries
@@ -240,15 +313,19 @@ impl<'a> MatrixView<'a> {
     }
 
     #[inline(never)]
-    fn panel<T: Real, const B: usize>(&self, panel: usize, x: &[[T; B]], products: &mut [[T; LANES]; B]) {
-        *products = [[T::ZERO; LANES]; B];
+    fn panel<T: Real, const B: usize>(&self, panel: usize, x: Factors<'_, T, B>, products: &mut [[T; LANES]; B]) {
         if let Entries::Panels(integers) = self.entries {
             let (shorts, small) = integers.panel(panel, self.columns);
-            let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
-            add_panel(shorts, leading, |entry| T::from_f32(short(entry)), products);
-            add_panel(small, trailing, |entry| T::from_f32(self::small(entry)), products);
+            let wholes = part(x.wholes, integers.coarse..x.wholes.len());
+            let whole_sums: [_; B] = core::array::from_fn(|b| whole_panel::<T, B>(small, wholes, b));
+            let mut sums = [[T::ZERO; LANES]; B];
+            add_panel(shorts, x.values, |entry| T::from_f32(short(entry)), &mut sums);
+            for (b, products) in products.iter_mut().enumerate() {
+                *products = add_wholes(sums[b], &whole_sums[b], x.units[b]);
+            }
         } else {
-            for (column, x) in x.iter().enumerate() {
+            *products = [[T::ZERO; LANES]; B];
+            for (column, x) in x.values.iter().enumerate() {
                 let entries = core::array::from_fn(|lane| self.entry(LANES * panel + lane, column));
                 add_panel(&[entries], &[*x], T::from_f32, products);
             }
@@ -261,7 +338,7 @@ impl<'a> MatrixView<'a> {
         &self,
         integers: &Integers<'_>,
         panels: [usize; P],
-        x: &[[T; B]],
+        x: Factors<'_, T, B>,
         products: &mut [[[T; LANES]; B]; P],
     ) {
         *products = in_vectors(
@@ -270,9 +347,15 @@ impl<'a> MatrixView<'a> {
                 let mut sums = [[[T::ZERO; LANES]; B]; P];
                 let parts = panels.map(|panel| integers.panel(panel, self.columns));
                 let (shorts, small) = (parts.map(|(shorts, _)| shorts), parts.map(|(_, small)| small));
-                let (leading, trailing) = x.split_at(integers.coarse.min(x.len()));
-                add_panels(shorts, leading, |entry| T::from_f32(short(entry)), &mut sums);
-                add_panels(small, trailing, |entry| T::from_f32(self::small(entry)), &mut sums);
+                add_panels(shorts, x.values, |entry| T::from_f32(short(entry)), &mut sums);
+                let mut whole_sums = [[[T::NO_WHOLE; LANES]; B]; P];
+                let wholes = part(x.wholes, integers.coarse..x.wholes.len());
+                add_whole_panels::<T, B, P>(small, wholes, &mut whole_sums);
+                for (whole_sums, sums) in whole_sums.iter().zip(&mut sums) {
+                    for ((whole_sums, unit), sums) in whole_sums.iter().zip(x.units).zip(sums) {
+                        *sums = add_wholes(*sums, whole_sums, unit);
+                    }
+                }
                 sums
             },
         );
@@ -284,11 +367,12 @@ impl<'a> MatrixView<'a> {
     /// Products with a panel times the units of its rows, where they have any.
     #[inline(always)]
     fn scale_rows<T: Real, const B: usize>(&self, panel: usize, products: &mut [[T; LANES]; B]) {
-        if let Units::OfRows(_) = self.units {
-            for lane in 0..LANES {
-                let unit = T::from_f32(self.units.of_row(LANES * panel + lane).unwrap_or(0.0));
-                for products in &mut *products {
-                    products[lane] *= unit;
+        if let Units::OfRows(units) = self.units {
+            // Rows beyond the last one are zeros.
+            let units = part(units, LANES * panel..units.len());
+            for products in products {
+                for (product, unit) in products.iter_mut().zip(units) {
+                    *product *= T::from_f32(f32::from_le_bytes(*unit));
                 }
             }
         }
@@ -320,6 +404,26 @@ impl<'a> MatrixView<'a> {
         }
         self.scale(out);
     }
+}
+
+/// lanes + a unit times sums of wholes. Written out, for the reason of the products' columns.
+#[inline(always)]
+fn add_wholes<T: Real>(
+    [l0, l1, l2, l3, l4, l5, l6, l7]: [T; LANES],
+    [w0, w1, w2, w3, w4, w5, w6, w7]: &[T::Whole; LANES],
+    unit: T,
+) -> [T; LANES] {
+    let add = |lane: T, whole: &T::Whole| lane + unit * T::from_whole(*whole);
+    [
+        add(l0, w0),
+        add(l1, w1),
+        add(l2, w2),
+        add(l3, w3),
+        add(l4, w4),
+        add(l5, w5),
+        add(l6, w6),
+        add(l7, w7),
+    ]
 }
 
 fn short(bytes: [u8; 2]) -> f32 {
@@ -429,16 +533,19 @@ mod tests {
             let (bytes, entries) = stored(encoding);
             let view = view(encoding, &bytes);
             for columns in 0..=COLUMNS {
-                let vectors: [Vec<f64>; 3] = [0.5, -3.0, 1e-3].map(|first| {
-                    let mut x: Vec<f64> = (0..columns).map(|k| first + k as f64).collect();
-                    view.scale(&mut x);
-                    x
-                });
                 let plain: [Vec<f64>; 3] =
                     [0.5, -3.0, 1e-3].map(|first| (0..columns).map(|k| first + k as f64).collect());
-                let interleaved: Vec<[f64; 3]> = (0..columns).map(|k| vectors.each_ref().map(|x| x[k])).collect();
+                let vectors = |vectors: [&[f64]; 3]| {
+                    let mut ready = Vectors::<f64, COLUMNS, 3>::ZERO;
+                    for (b, vector) in vectors.into_iter().enumerate() {
+                        vector.iter().enumerate().for_each(|(k, x)| ready.values[k][b] = *x);
+                    }
+                    ready.ready(&view, columns);
+                    ready
+                };
+                let interleaved = vectors(plain.each_ref().map(Vec::as_slice));
                 let mut together = [[[0.0; LANES]; 3]; 2];
-                view.panels([0, 1], &interleaved, &mut together);
+                view.panels([0, 1], interleaved.factors(columns), &mut together);
                 for (panel, together) in together.iter().enumerate() {
                     for lane in 0..LANES {
                         let row = LANES * panel + lane;
@@ -446,11 +553,15 @@ mod tests {
                             let exact: f64 = entries.get(row).map_or(0.0, |entries| {
                                 entries.iter().zip(&plain[b]).map(|(entry, x)| entry * x).sum()
                             });
+                            let mut single = Vectors::<f64, COLUMNS>::ZERO;
+                            single.values.as_flattened_mut()[..columns].copy_from_slice(&plain[b]);
+                            single.ready(&view, columns);
                             let mut products = [[[0.0; LANES]; 1]];
-                            view.panels([panel], vectors[b].as_chunks::<1>().0, &mut products);
+                            view.panels([panel], single.factors(columns), &mut products);
                             let [[alone]] = products;
                             assert!((together[b][lane] - exact).abs() <= 1e-9, "{encoding:?} {row}");
-                            assert_eq!([alone[lane], view.dot(row, &vectors[b])], [together[b][lane]; 2]);
+                            let dot = view.dot(row, single.factors(columns));
+                            assert_eq!([alone[lane], dot], [together[b][lane]; 2]);
                         }
                     }
                 }
@@ -466,6 +577,49 @@ mod tests {
                     let entry = entries.get(row).and_then(|row| row.get(column));
                     assert_eq!(f64::from(view.get(row, column)), *entry.unwrap_or(&0.0));
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn wholes_lose_half_a_unit_each_at_most_and_no_sum_overflows() {
+        // The greatest entries there are, along and against factors that are far apart.
+        const MOST: usize = 96;
+        for entry in [i8::MIN, i8::MAX] {
+            let mut bytes: Vec<u8> = (0..MOST).flat_map(|_| 1.0_f32.to_le_bytes()).collect();
+            bytes.extend(core::iter::repeat_n(entry as u8, MOST * LANES));
+            let encoding = Encoding::ColumnPanels(Digits { coarse: 0 });
+            let view = MatrixView::new(&Matrix::new(LANES as u32, MOST as u32, encoding, &bytes));
+            for sign in [1.0_f32, -1.0] {
+                let mut x = Vectors::<f32, MOST>::ZERO;
+                let factor = |k: usize| sign.powi(k as i32) * 3.0 * 0.9_f32.powi(k as i32);
+                (0..MOST).for_each(|k| x.values[k][0] = factor(k));
+                x.ready(&view, MOST);
+                let sum = |size: &dyn Fn(f64) -> f64| (0..MOST).map(|k| size(factor(k).into())).sum::<f64>();
+                let exact = f64::from(entry) * sum(&|x| x);
+                let found = f64::from(view.dot(0, x.factors(MOST)));
+                let greatest = 128.0 * sum(&f64::abs);
+                let unit = greatest / f64::from(f32::GREATEST_WHOLE);
+                let rounding = 4.0 * f64::from(f32::EPSILON) * greatest;
+                let error = (found - exact).abs();
+                assert!(
+                    error < 0.5 * MOST as f64 * unit + rounding,
+                    "{entry} {sign}: {found} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_gives_no_number() {
+        let (bytes, _) = stored(Encoding::ColumnPanels(DIGITS));
+        let view = view(Encoding::ColumnPanels(DIGITS), &bytes);
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for column in 0..COLUMNS {
+                let mut x = Vectors::<f32, COLUMNS>::ZERO;
+                x.values[column][0] = value;
+                x.ready(&view, COLUMNS);
+                assert!(!view.dot(1, x.factors(COLUMNS)).is_finite(), "{value} {column}");
             }
         }
     }

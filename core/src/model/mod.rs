@@ -14,6 +14,7 @@ pub mod wire;
 
 pub use curve::Curve;
 pub use encode::encode;
+pub(crate) use matrix::{Factors, Vectors};
 pub use matrix::{Indices, MatrixView};
 pub use mesh::Mesh;
 pub(crate) use mesh::{apply, components};
@@ -32,7 +33,7 @@ pub const MIDPLANE: &str = "midplane";
 pub const DIAGONAL: &str = "diagonal";
 
 const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 const HEADER_LENGTH: usize = 16;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 

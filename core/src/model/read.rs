@@ -4,7 +4,7 @@
 
 use super::wire::{
     Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Kernel, Matrix, Mesh, Metadata, Method, NodeSet, Paper,
-    Parameter, Reference, Units,
+    Parameter, Reference, Span, Units,
 };
 use heapless::Vec;
 
@@ -50,7 +50,8 @@ parts! {
     Cluster<'a> {
         min, max, samples, field, direct_errors, paper_errors
     }
-    Field<'a> { modes, parameter_modes, knots, slices, core, axial_controls, axial_modes }
+    Field<'a> { modes, knots, spans, axial_controls, axial_modes }
+    Span<'a> { parameter_modes, slices, core }
     Errors<'a> { left_out, deviation, bound_factors, floor }
     Kernel { neighbours, scales }
     Paper { neighbours, scales, radius, displacement_rank, velocity_rank, window }

@@ -1,7 +1,7 @@
 //! The checks of [`Model::open`](super::Model::open): dimensions, indices, ranges, finiteness.
 
 use super::matrix::{Indices, MatrixView};
-use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Mesh, NodeSet, Reference};
+use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Matrix, Mesh, NodeSet, Reference, Span};
 use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 use crate::linalg::LANES;
@@ -252,12 +252,16 @@ impl Judge {
         let (field, samples) = (&cluster.field, cluster.samples.rows as usize);
         let columns = |matrix: &Matrix<'_>| matrix.columns as usize;
         let (modes, axial) = (columns(&field.modes), columns(&field.axial_controls));
-        let columns = columns(&field.parameter_modes);
         self.matrix("modes", &field.modes, [panelled(nodes).saturating_mul(3), modes], ANY);
-        self.matrix("parameter modes", &field.parameter_modes, [samples, columns], ANY);
         let controls = self.knots(&field.knots, end_time);
-        self.matrix("core", &field.core, [field.core.rows as usize, columns], ANY);
-        self.slices(field, controls);
+        let mut slices = 0;
+        for span in &field.spans {
+            let columns = columns(&span.parameter_modes);
+            self.matrix("parameter modes", &span.parameter_modes, [samples, columns], ANY);
+            self.matrix("core", &span.core, [span.core.rows as usize, columns], ANY);
+            slices += self.slices(span, modes);
+        }
+        self.count("slices", controls, slices);
         self.matrix("axial controls", &field.axial_controls, [controls, axial], ANY);
         self.matrix("axial modes", &field.axial_modes, [samples, axial], ANY);
     }
@@ -286,16 +290,13 @@ impl Judge {
         controls
     }
 
-    /// The slices have no more panels than the modes need, and share out all rows.
-    fn slices(&mut self, field: &Field<'_>, controls: usize) {
-        self.length("slices", &field.slices, 2 * controls);
-        let most = (field.modes.columns as usize).div_ceil(LANES);
-        let mut sum = 0;
-        for (slice, panels) in Indices::new(&field.slices).iter().enumerate() {
-            self.index("slices", slice, panels, most + 1);
-            sum += panels;
-        }
-        self.count("rows of the core", LANES * sum, field.core.rows as usize);
+    /// The slices have no more panels than the modes need, and share out all rows. Returns how many there are.
+    fn slices(&mut self, span: &Span<'_>, modes: usize) -> usize {
+        let count = span.slices.data.len() / 2;
+        let slices = self.indices("slices", &span.slices, count, modes.div_ceil(LANES) + 1);
+        let panels: usize = slices.iter().sum();
+        self.count("rows of the core", LANES * panels, span.core.rows as usize);
+        count
     }
 
     #[inline(never)]

@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 pub const MAX_CLUSTERS: usize = 4;
 /// The most named node sets that a file may hold.
 pub const MAX_NODE_SETS: usize = 8;
+/// The most spans of time that the motion of a cluster may be cut into.
+pub const MAX_SPANS: usize = 4;
 /// The most parameters that a model may have.
 pub const MAX_PARAMETERS: usize = 4;
 
@@ -163,29 +165,41 @@ pub struct Cluster<'a> {
 }
 
 /// The motion of a cluster: the double POD of displacement and velocity (eqs. 15 to 22) in common modes, with time in cubic
-/// B-splines: the displacement of sample j at t is `Phi sum_b B_b(t) G_b Psi_j^T`.
+/// B-splines: the displacement of sample j at t is `Phi sum_b B_b(t) G_b Psi_j^T`, with the parameter modes Psi of the
+/// span of time that control b belongs to.
 ///
 /// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the rates of
-/// the displacement's. Of the core's slices G_b `[K - 1, K_c]` the last rows, which are negligible, are not stored.
+/// the displacement's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Field<'a> {
     /// Shape modes `[3 S, K - 1]` at the sector nodes, orthonormal over the FULL mesh: rows of x, then of y, then of z, each S
     /// rows for S the next multiple of 8 of N_s; those beyond N_s are 0.
     #[serde(borrow)]
     pub modes: Matrix<'a>,
-    /// Psi `[N_c, K_c]`.
-    pub parameter_modes: Matrix<'a>,
     /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than four
     /// times.
     pub knots: Matrix<'a>,
-    /// `u16 [N_b]`: how many times eight rows of the core belong to each slice.
-    pub slices: Blob<'a>,
-    /// The rows of the slices `[n, K_c]`, one slice after the other.
-    pub core: Matrix<'a>,
+    /// The controls, in spans that follow each other.
+    pub spans: Vec<Span<'a>, MAX_SPANS>,
     /// The translation's controls `[N_b, K_a]`: that of sample j is `sum_b B_b(t) F_b Y_j^T`.
     pub axial_controls: Matrix<'a>,
     /// Y `[N_c, K_a]`.
     pub axial_modes: Matrix<'a>,
+}
+
+/// Successive controls of a motion. How it depends on the parameters changes in time, so each span has modes of its own, fewer
+/// than all of time would need.
+///
+/// Of the core's slices G_b `[K - 1, K_c]` the last rows, which are negligible, are not stored.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Span<'a> {
+    /// Psi `[N_c, K_c]`.
+    #[serde(borrow)]
+    pub parameter_modes: Matrix<'a>,
+    /// `u16`, one for each control of the span: how many times eight rows of the core belong to its slice.
+    pub slices: Blob<'a>,
+    /// The rows of the slices `[n, K_c]`, one slice after the other.
+    pub core: Matrix<'a>,
 }
 
 /// Leave-one-out errors at the samples of a cluster, by one method.
@@ -290,7 +304,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + 14 * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + (11 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

@@ -8,6 +8,7 @@
 use capsule_core::model::encode;
 use capsule_core::model::wire::*;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Number of modes of the shape; the state has one coefficient more, the translation.
 pub const SHAPE_MODES: usize = 4;
@@ -302,12 +303,20 @@ impl Family {
                     };
                     (0..padded(sector)).flat_map(row)
                 }));
-                a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 a.f32s(self.knots());
-                let count = self.controls();
-                a.u16s((0..count).map(|_| 1));
-                a.f32s((0..count).flat_map(|b| (1..=padded(SHAPE_MODES)).flat_map(move |k| self.control(k, b))));
-                a.f32s((0..count).flat_map(|b| self.control(0, b)));
+                for (number, controls) in self.spans().into_iter().enumerate() {
+                    // Each span has the functions in another order.
+                    let turned = move |mut row: [f64; FUNCTIONS]| {
+                        row.rotate_left(number);
+                        row
+                    };
+                    a.f32s(samples.iter().flat_map(|&sample| turned(functions(sample))));
+                    a.u16s(controls.clone().map(|_| 1));
+                    a.f32s(
+                        controls.flat_map(|b| (1..=padded(SHAPE_MODES)).flat_map(move |k| turned(self.control(k, b)))),
+                    );
+                }
+                a.f32s((0..self.controls()).flat_map(|b| self.control(0, b)));
                 a.f32s(samples.iter().flat_map(|&sample| functions(sample)));
                 for _ in 0..2 {
                     a.f32s(samples.iter().flat_map(|_| [0.001, 0.002]));
@@ -341,10 +350,16 @@ impl Family {
             let controls = self.controls();
             let field = Field {
                 modes: f32(3 * padded(sector), SHAPE_MODES, blob()),
-                parameter_modes: f32(count, FUNCTIONS, blob()),
                 knots: f32(controls + 4, 1, blob()),
-                slices: blob(),
-                core: f32(controls * padded(SHAPE_MODES), FUNCTIONS, blob()),
+                spans: self
+                    .spans()
+                    .into_iter()
+                    .map(|span| Span {
+                        parameter_modes: f32(count, FUNCTIONS, blob()),
+                        slices: blob(),
+                        core: f32(span.len() * padded(SHAPE_MODES), FUNCTIONS, blob()),
+                    })
+                    .collect(),
                 axial_controls: f32(controls, FUNCTIONS, blob()),
                 axial_modes: f32(count, FUNCTIONS, blob()),
             };
@@ -410,6 +425,12 @@ impl Family {
         let mut samples: Vec<[f64; 2]> = self.samples.iter().filter(inside).copied().collect();
         samples.sort_by(|a, b| a[1].total_cmp(&b[1]));
         samples
+    }
+
+    /// The controls of two spans of time.
+    fn spans(&self) -> [Range<usize>; 2] {
+        let (middle, end) = (self.controls() / 3, self.controls());
+        [0..middle, middle..end]
     }
 
     /// Controls of the splines: two a stored instant.

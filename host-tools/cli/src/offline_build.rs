@@ -18,8 +18,8 @@ pub struct Options {
     /// Model file to write [default: models/capsule.crom; beside the data of --from, as .crom]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Truncation: root mean square error of the displacement that each basis may leave, in l, with --from in its unit of
-    /// length [default: 7.8e-5 l; a ten thousandth of the radius]
+    /// Truncation: root mean square error of the displacement that the modes may leave in a span of time, in l, with --from in its unit of
+    /// length [default: 1.35e-4 l; a five thousandth of the radius]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
     /// Truncation at the paper's larger ranks: 50 and 50, for displacement and velocity together
@@ -130,12 +130,17 @@ fn tell(report: &BuildReport, out: &Path) -> Result<()> {
     );
     let mut rows = Vec::new();
     for cluster in &report.clusters {
-        let reduced = cluster.field;
+        let reduced = &cluster.field;
         rows.push(vec![
             format!("{:.2} to {:.2}", cluster.range[0], cluster.range[1]),
             cluster.samples.to_string(),
             reduced.space_rank.to_string(),
-            reduced.parameter_rank.to_string(),
+            reduced
+                .parameter_ranks
+                .iter()
+                .map(usize::to_string)
+                .collect::<Vec<_>>()
+                .join(" "),
             format!("{:.1e}", reduced.space_error),
             format!("{:.1e}", reduced.parameter_error),
             reduced.controls.to_string(),

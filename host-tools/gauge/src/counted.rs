@@ -106,6 +106,25 @@ impl Real for Counted {
     const ONE: Self = Self(1.0);
     const EPSILON: Self = Self(f32::EPSILON);
 
+    type Whole = i32;
+    const NO_WHOLE: i32 = 0;
+    const GREATEST_WHOLE: Self = Self(f32::GREATEST_WHOLE);
+
+    fn to_whole(self) -> i32 {
+        self.0.to_whole()
+    }
+    fn from_whole(whole: i32) -> Self {
+        Self(f32::from_whole(whole))
+    }
+    fn add_product(sum: i32, entry: i8, factor: i32) -> i32 {
+        note(|counts| {
+            counts.reads += 1;
+            counts.additions += 1;
+            counts.multiplications += 1;
+        });
+        f32::add_product(sum, entry, factor)
+    }
+
     fn from_f32(value: f32) -> Self {
         note(|counts| counts.reads += 1);
         Self(value)

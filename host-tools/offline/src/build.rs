@@ -71,12 +71,12 @@ pub struct ClusterReport {
 }
 
 /// The reduction of displacement and velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldReport {
     /// K^x, the translation included.
     pub space_rank: usize,
-    /// K^c.
-    pub parameter_rank: usize,
+    /// K^c of each span of time.
+    pub parameter_ranks: Vec<usize>,
     /// Controls of the splines in time.
     pub controls: usize,
     /// Rows of the core.
@@ -231,16 +231,15 @@ fn floors(plan: &Plan, cluster: &Reduced, parts: &ClusterParts) -> Result<[f64; 
 }
 
 fn field_report(snapshots: &Snapshots, pod: &DoublePod) -> FieldReport {
-    let (space, parameter) = (pod.modes.ncols(), pod.parameter_modes.ncols());
-    let samples = pod.parameter_modes.nrows();
+    let spans = pod.spans.iter();
     FieldReport {
-        space_rank: space + 1,
-        parameter_rank: parameter,
-        controls: pod.slices.len(),
-        rows: pod.slices.iter().map(|slice| slice.nrows()).sum(),
+        space_rank: pod.modes.ncols() + 1,
+        parameter_ranks: spans.clone().map(|span| span.parameter_modes.ncols()).collect(),
+        controls: spans.clone().map(|span| span.slices.len()).sum(),
+        rows: spans.flat_map(|span| &span.slices).map(|slice| slice.nrows()).sum(),
         axial_rank: pod.axial_modes.ncols(),
-        space_error: snapshots.error_beyond(&pod.space_values, space, samples),
-        parameter_error: snapshots.error_beyond(&pod.parameter_values, parameter, samples),
+        space_error: pod.space_error,
+        parameter_error: snapshots.parameter_error(pod),
     }
 }
 

@@ -2,34 +2,40 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
+use std::ops::Range;
 
 use crate::samples::State;
 use crate::settings::{MAX_MODES, Truncation};
-use crate::splines::TimeFit;
+use crate::splines::{Span, TimeFit};
 use crate::svd::left_singular;
 use crate::{OfflineError, Ranks};
 
 /// Root-mean-square error of the basis in which the snapshots of a cluster are kept while models are built and rebuilt, as
-/// a share of the model's own.
-const WORKING_SHARE: f64 = 0.1;
-/// What the parameter modes may leave, as a share of the error of the modes: every one of them is paid for at every instant.
-const PARAMETER_SHARE: f64 = 1.5;
-/// What the splines may add, as a share of the error of the modes.
-const TIME_SHARE: f64 = 2.0;
-/// What rows of the core that are left out may add.
+/// a share of the tolerance, which is what the modes may leave in a span of time.
+const WORKING_SHARE: f64 = 0.05;
+/// What the parameter modes may leave. Over all time the modes leave half the tolerance, for a span has those of the others
+/// too.
+const PARAMETER_SHARE: f64 = 0.625;
+/// What the splines may add.
+const TIME_SHARE: f64 = 1.0;
+/// What rows of the core that are left out may add at a control.
 const ROWS_SHARE: f64 = 1.0;
 /// What the digits of the modes, of the parameter modes and of the core may add, each.
-const DIGITS_SHARE: f64 = 0.2;
+const DIGITS_SHARE: f64 = 0.15;
 /// What the translation's modes may leave.
-const AXIAL_SHARE: f64 = 0.05;
-/// The error of the modes where ranks are given instead, l.
-const RANKS_TOLERANCE: f64 = 1e-4;
+const AXIAL_SHARE: f64 = 0.025;
+/// The tolerance of all else where ranks are given instead, l.
+const RANKS_TOLERANCE: f64 = 2e-4;
 
 /// Rows of a panel, see [`capsule_core::model::wire::Encoding`]: ranks and the rows of slices are multiples of it.
 pub(crate) const LANES: usize = 8;
 
 /// The most modes of the translation that the core holds.
 const MAX_AXIAL: usize = 16;
+
+/// Modes that are those of the whole motion before a span of time adds its own: the paper's method works in the leading
+/// ones at all times.
+const COMMON_MODES: usize = 8;
 
 /// The snapshots of a cluster, in coordinates of an orthonormal basis that spans all of them.
 ///
@@ -42,6 +48,7 @@ pub(crate) struct Snapshots {
     /// For each sample `[1, 2 N_t]`, in the same way.
     translation: Vec<Mat<f64>>,
     fit: TimeFit,
+    spans: Vec<Span>,
     /// Nodes of the full mesh.
     nodes: usize,
     truncation: Truncation,
@@ -51,18 +58,29 @@ pub(crate) struct Snapshots {
 pub(crate) struct DoublePod {
     /// Shape modes `[r, K - 1]` in the coordinates of the snapshots' basis.
     pub(crate) modes: Mat<f64>,
-    /// Psi `[N_c, K_c]`.
-    pub(crate) parameter_modes: Mat<f64>,
-    /// The slices G_b `[n, K_c]`: the rows that are not negligible.
-    pub(crate) slices: Vec<Mat<f64>>,
+    /// Sum of the squares of each mode's coefficients, over all instants and samples.
+    squares: Vec<f64>,
+    /// Root-mean-square error of the displacement over nodes, instants and samples that the modes leave.
+    pub(crate) space_error: f64,
+    pub(crate) spans: Vec<SpanPod>,
     /// `[N_b, K_a]`
     pub(crate) axial_controls: Mat<f64>,
     /// `[N_c, K_a]`
     pub(crate) axial_modes: Mat<f64>,
     /// Singular values of the shape matrix T.
     pub(crate) space_values: Vec<f64>,
-    /// Singular values of the stacked matrix S of the controls.
+    /// Singular values of the stacked matrix S of all controls.
     pub(crate) parameter_values: Vec<f64>,
+}
+
+/// The controls of a span of time, see [`capsule_core::model::wire::Span`].
+pub(crate) struct SpanPod {
+    /// Psi `[N_c, K_c]`.
+    pub(crate) parameter_modes: Mat<f64>,
+    /// The slices G_b `[n, K_c]`: the rows that are not negligible.
+    pub(crate) slices: Vec<Mat<f64>>,
+    /// Singular values of the stacked matrix S of the span's controls.
+    pub(crate) values: Vec<f64>,
 }
 
 impl Snapshots {
@@ -99,11 +117,16 @@ impl Snapshots {
             })
         });
         let fit = TimeFit::new(times, &shape, TIME_SHARE * tolerance * (nodes as f64).sqrt());
+        let spans = match truncation {
+            Truncation::Tolerance(_) => fit.spans(times),
+            Truncation::Ranks(_) => fit.whole(times),
+        };
         Ok(Snapshots {
             basis,
             shape,
             translation: translation.collect(),
             fit,
+            spans,
             nodes,
             truncation,
         })
@@ -120,56 +143,92 @@ impl Snapshots {
         let shapes: Vec<&Mat<f64>> = keep.iter().map(|j| &self.shape[*j]).collect();
         let stacked = hstack(&shapes);
         let (space, space_values) = left_singular(stacked.as_ref())?;
-        let space_rank = match self.truncation {
-            Truncation::Tolerance(tolerance) => {
-                rank(&space_values, tolerance, self.nodes * stacked.ncols()).next_multiple_of(LANES)
-            }
-            Truncation::Ranks(Ranks { space, .. }) => space - 1,
+        let modes = match self.truncation {
+            Truncation::Tolerance(tolerance) => self.modes(&space, &shapes, tolerance)?,
+            Truncation::Ranks(Ranks { space: rank, .. }) => leading(&space, (rank - 1).min(MAX_MODES)),
         };
-        let modes = space
-            .subcols(0, space_rank.min(MAX_MODES).min(space.ncols()))
-            .to_owned();
         let transposed = modes.transpose().to_owned();
+        let coefficients: Vec<Mat<f64>> = shapes.iter().map(|shape| product(&transposed, shape)).collect();
+        let size = modes.ncols();
+        let row = |k: usize| coefficients.iter().map(|shape| shape.row(k).squared_norm_l2()).sum();
+        let squares: Vec<f64> = (0..size).map(row).collect();
+        let all: f64 = stacked.squared_norm_l2();
+        let left = (all - squares.iter().sum::<f64>()).max(0.0);
+        let space_error = (left / (self.nodes * stacked.ncols()) as f64).sqrt();
 
         // The transpose of S: a row a sample, all its controls one after the other.
-        let size = modes.ncols();
-        let controls: Vec<Mat<f64>> = shapes
-            .iter()
-            .map(|shape| self.fit.controls(&product(&transposed, shape)))
-            .collect();
-        let slices = self.fit.count();
-        let stacked = Mat::from_fn(count, slices * size, |j, column| {
-            controls[j][(column % size.max(1), column / size.max(1))]
-        });
-        let values = self.nodes * slices * count;
-        let (parameter, parameter_values) = left_singular(stacked.as_ref())?;
-        let parameter_rank = match self.truncation {
-            Truncation::Tolerance(tolerance) => {
-                rank(&parameter_values, PARAMETER_SHARE * tolerance, values).next_multiple_of(LANES)
-            }
-            Truncation::Ranks(Ranks { parameter, .. }) => parameter,
+        let controls: Vec<Mat<f64>> = coefficients.iter().map(|shape| self.fit.controls(shape)).collect();
+        let stacked = |controls_of: &Range<usize>| {
+            Mat::from_fn(count, controls_of.len() * size, |j, column| {
+                controls[j][(column % size.max(1), controls_of.start + column / size.max(1))]
+            })
         };
-        let columns = parameter_rank.clamp(1, MAX_MODES).min(parameter.ncols());
-        let parameter_modes = parameter.subcols(0, columns).to_owned();
-        let core = product(&parameter_modes.transpose().to_owned(), &stacked);
-
-        let budget = self.share(ROWS_SHARE, &space_values, size, count) * (self.nodes * count) as f64;
-        let slice = |b: usize| kept_rows(&Mat::from_fn(size, columns, |k, l| core[(l, b * size + k)]), budget);
+        let slices = self.fit.count();
+        let (_, parameter_values) = left_singular(stacked(&(0..slices)).as_ref())?;
+        // What the rows that are left out may add to the sum of the squares over all samples.
+        let error = space_error.max(self.tolerance());
+        let budget = (ROWS_SHARE * error).powi(2) * (self.nodes * count) as f64;
+        let span = |span: &Span| {
+            let stacked = stacked(&span.controls);
+            let (parameter, values) = left_singular(stacked.as_ref())?;
+            let rank = match self.truncation {
+                Truncation::Tolerance(tolerance) => {
+                    let count = self.nodes * span.controls.len() * count;
+                    rank(&values, PARAMETER_SHARE * tolerance, count)
+                }
+                Truncation::Ranks(Ranks { parameter, .. }) => parameter,
+            };
+            let parameter_modes = leading(&parameter, rank.clamp(1, MAX_MODES));
+            let core = product(&parameter_modes.transpose().to_owned(), &stacked);
+            let columns = parameter_modes.ncols();
+            let slice = |b: usize| kept_rows(&Mat::from_fn(size, columns, |k, l| core[(l, b * size + k)]), budget);
+            Ok(SpanPod {
+                slices: (0..span.controls.len()).map(slice).collect(),
+                parameter_modes,
+                values,
+            })
+        };
+        let spans: Result<Vec<SpanPod>, OfflineError> = self.spans.iter().map(span).collect();
 
         let translations: Vec<Mat<f64>> = keep.iter().map(|j| self.fit.controls(&self.translation[*j])).collect();
         let translations = Mat::from_fn(count, slices, |j, b| translations[j][(0, b)]);
         let (axial, axial_values) = left_singular(translations.as_ref())?;
+        let values = self.nodes * slices * count;
         let axial_rank = rank(&axial_values, AXIAL_SHARE * self.tolerance(), values).clamp(1, MAX_AXIAL);
-        let axial_modes = axial.subcols(0, axial_rank.min(axial.ncols())).to_owned();
+        let axial_modes = leading(&axial, axial_rank);
         Ok(DoublePod {
             modes,
-            slices: (0..slices).map(slice).collect(),
-            parameter_modes,
+            squares,
+            space_error,
+            spans: spans?,
             axial_controls: product(&translations.transpose().to_owned(), &axial_modes),
             axial_modes,
             space_values,
             parameter_values,
         })
+    }
+
+    /// Modes that leave no more than the tolerance in every span of time. The common ones come first, then what each span
+    /// needs beside those before, the last span first: so the end of a motion, where most instants are, needs the leading
+    /// modes alone, and the rows of the others are left out of the core there.
+    fn modes(&self, space: &Mat<f64>, shapes: &[&Mat<f64>], tolerance: f64) -> Result<Mat<f64>, OfflineError> {
+        let mut modes = leading(space, COMMON_MODES);
+        for span in self.spans.iter().rev() {
+            let instants = span.instants.len();
+            let rates = shapes[0].ncols() / 2;
+            let stacked = Mat::from_fn(modes.nrows(), 2 * instants * shapes.len(), |r, column| {
+                let (sample, place) = (column / (2 * instants), column % (2 * instants));
+                let instant = span.instants.start + place % instants;
+                shapes[sample][(r, if place < instants { instant } else { rates + instant })]
+            });
+            let within = product(&modes, &product(&modes.transpose().to_owned(), &stacked));
+            let (others, values) = left_singular((&stacked - within).as_ref())?;
+            let rank = modes.ncols() + rank(&values, tolerance, self.nodes * stacked.ncols());
+            let rank = rank.next_multiple_of(LANES).min(MAX_MODES);
+            let others = leading(&others, rank - modes.ncols());
+            modes = hstack(&[&modes, &beside(&modes, &others)]);
+        }
+        Ok(modes)
     }
 
     /// Shape modes `[3 N_s, K - 1]`, weighted like [`State::shape`].
@@ -181,62 +240,64 @@ impl Snapshots {
         self.truncation.tolerance().unwrap_or(RANKS_TOLERANCE)
     }
 
-    /// The mean square of a share of the error of so many modes: finer than the modes that are kept is of no use.
-    fn share(&self, share: f64, space_values: &[f64], modes: usize, samples: usize) -> f64 {
-        let error = self.error_beyond(space_values, modes, samples).max(self.tolerance());
-        (share * error).powi(2)
-    }
-
-    /// What digits may add.
+    /// The mean square that digits may add: finer than the modes that are kept is of no use.
     fn digits(&self, pod: &DoublePod) -> f64 {
-        let (modes, samples) = (pod.modes.ncols(), pod.parameter_modes.nrows());
-        self.share(DIGITS_SHARE, &pod.space_values, modes, samples)
+        (DIGITS_SHARE * pod.space_error.max(self.tolerance())).powi(2)
     }
 
     /// How many of the leading modes need two bytes an entry; `greatest` is the greatest entry of a mode at the nodes.
     pub(crate) fn coarse_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
-        let (count, samples) = (pod.modes.ncols(), pod.parameter_modes.nrows());
-        let snapshots = (self.shape[0].ncols() * samples) as f64;
+        let count = pod.modes.ncols();
+        let snapshots = (self.shape[0].ncols() * pod.samples()) as f64;
         // Of each of the three components of a node, times the mode's mean square coefficient.
-        let rounding = |k: usize| 3.0 * rounding(greatest(k)) * pod.space_values[k].powi(2) / snapshots;
+        let rounding = |k: usize| 3.0 * rounding(greatest(k)) * pod.squares[k] / snapshots;
         trailing(count, self.digits(pod), rounding)
             .next_multiple_of(LANES)
             .min(count)
     }
 
-    /// How many of the leading parameter modes do.
-    pub(crate) fn coarse_parameter_modes(&self, pod: &DoublePod) -> usize {
-        let psi = &pod.parameter_modes;
+    /// How many of a span's leading parameter modes do.
+    pub(crate) fn coarse_parameter_modes(&self, pod: &DoublePod, span: &SpanPod) -> usize {
+        let psi = &span.parameter_modes;
         let greatest = |l: usize| (0..psi.nrows()).map(|j| psi[(j, l)].abs()).fold(0.0, f64::max);
         // Times the mean square of what the mode is multiplied by at the nodes.
-        let controls = (self.nodes * pod.slices.len()) as f64;
-        let rounding = |l: usize| rounding(greatest(l)) * pod.parameter_values[l].powi(2) / controls;
+        let controls = (self.nodes * span.slices.len()) as f64;
+        let rounding = |l: usize| rounding(greatest(l)) * span.values[l].powi(2) / controls;
         trailing(psi.ncols(), self.digits(pod), rounding)
     }
 
-    /// How many of the core's leading columns do.
-    pub(crate) fn coarse_columns(&self, pod: &DoublePod) -> usize {
-        let (samples, columns) = pod.parameter_modes.shape();
+    /// How many of the leading columns of its core do.
+    pub(crate) fn coarse_columns(&self, pod: &DoublePod, span: &SpanPod) -> usize {
+        let (samples, columns) = span.parameter_modes.shape();
         let greatest =
             |slice: &Mat<f64>, k: usize, from: usize| (from..columns).map(|l| slice[(k, l)].abs()).fold(0.0, f64::max);
         // Psi is orthonormal over the samples.
         let error = |from: usize| -> f64 {
-            let rows = pod
+            let rows = span
                 .slices
                 .iter()
                 .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)));
             let sum: f64 = rows.map(|(slice, k)| rounding(greatest(slice, k, from))).sum();
-            columns as f64 * sum / (self.nodes * pod.slices.len() * samples) as f64
+            columns as f64 * sum / (self.nodes * span.slices.len() * samples) as f64
         };
         let budget = self.digits(pod);
         (0..columns).find(|from| error(*from) <= budget).unwrap_or(columns)
     }
 
-    /// What a root-mean-square error of the displacement over the nodes, instants (or controls) and samples is made of, for
-    /// singular values from `from` on.
-    pub(crate) fn error_beyond(&self, values: &[f64], from: usize, samples: usize) -> f64 {
-        let count = self.nodes * self.shape[0].ncols() * samples;
-        (values.iter().skip(from).map(|s| s * s).sum::<f64>() / count as f64).sqrt()
+    /// Root-mean-square error of the displacement over the nodes, controls and samples that the parameter modes leave.
+    pub(crate) fn parameter_error(&self, pod: &DoublePod) -> f64 {
+        let left = |span: &SpanPod| -> f64 {
+            let kept = span.parameter_modes.ncols();
+            span.values.iter().skip(kept).map(|s| s * s).sum()
+        };
+        let count = self.nodes * self.fit.count() * pod.samples();
+        (pod.spans.iter().map(left).sum::<f64>() / count as f64).sqrt()
+    }
+}
+
+impl DoublePod {
+    fn samples(&self) -> usize {
+        self.axial_modes.nrows()
     }
 }
 
@@ -275,6 +336,20 @@ fn rank(values: &[f64], tolerance: f64, count: usize) -> usize {
         tail <= budget
     });
     values.len() - dropped.count()
+}
+
+/// What unit vectors add to orthonormal ones. Directions in which next to nothing is left of the snapshots may be any, and
+/// those that lie in the span of the others fall out.
+fn beside(known: &Mat<f64>, vectors: &Mat<f64>) -> Mat<f64> {
+    let left = vectors - product(known, &product(&known.transpose().to_owned(), vectors));
+    let new: Vec<usize> = (0..left.ncols()).filter(|k| left.col(*k).norm_l2() > 0.5).collect();
+    let new = Mat::from_fn(left.nrows(), new.len(), |r, k| left[(r, new[k])]);
+    new.qr().compute_thin_Q()
+}
+
+/// The leading columns, as many as there are.
+fn leading(matrix: &Mat<f64>, columns: usize) -> Mat<f64> {
+    matrix.subcols(0, columns.min(matrix.ncols())).to_owned()
 }
 
 fn hstack(matrices: &[&Mat<f64>]) -> Mat<f64> {
@@ -346,16 +421,20 @@ mod tests {
     fn errors_at_ends(states: &[[State; 2]], snapshots: &Snapshots, pod: &DoublePod) -> [f64; 2] {
         let modes = snapshots.modes_at_nodes(pod);
         let (mut square, mut axial) = (0.0, 0.0f64);
-        for (slice, i) in [(0, 0), (pod.slices.len() - 1, INSTANTS - 1)] {
+        let ends = [(pod.spans.first(), 0), (pod.spans.last(), INSTANTS - 1)];
+        for (span, i) in ends {
+            let span = span.unwrap();
+            let slice = if i == 0 { 0 } else { span.slices.len() - 1 };
+            let control = if i == 0 { 0 } else { pod.axial_controls.nrows() - 1 };
             for (j, [state, _]) in states.iter().enumerate() {
-                let psi = Mat::from_fn(pod.parameter_modes.ncols(), 1, |l, _| pod.parameter_modes[(j, l)]);
-                let alpha = product(&pod.slices[slice], &psi);
+                let psi = Mat::from_fn(span.parameter_modes.ncols(), 1, |l, _| span.parameter_modes[(j, l)]);
+                let alpha = product(&span.slices[slice], &psi);
                 for r in 0..12 {
                     let value: f64 = (0..alpha.nrows()).map(|k| modes[(r, k)] * alpha[(k, 0)]).sum();
                     square += (value - state.shape[(r, i)]).powi(2);
                 }
                 let translation: f64 = (0..pod.axial_modes.ncols())
-                    .map(|a| pod.axial_controls[(slice, a)] * pod.axial_modes[(j, a)])
+                    .map(|a| pod.axial_controls[(control, a)] * pod.axial_modes[(j, a)])
                     .sum();
                 axial = axial.max((translation - state.translation[i]).abs());
             }
@@ -371,17 +450,78 @@ mod tests {
             let snapshots = snapshots(&states, Truncation::Tolerance(tolerance));
             let pod = snapshots.reduce(&[0, 1, 2, 3, 4]).unwrap();
             let modes = snapshots.modes_at_nodes(&pod);
-            assert!(orthonormal(&modes) < 1e-12 && orthonormal(&pod.parameter_modes) < 1e-12);
+            assert!(orthonormal(&modes) < 1e-12);
+            assert!(pod.spans.iter().all(|span| orthonormal(&span.parameter_modes) < 1e-12));
             let [shape, translation] = errors_at_ends(&states, &snapshots, &pod);
             // The tolerance is a mean over the instants, of which these are two.
             assert!(
                 shape < 4.0 * tolerance && translation < 2.0 * tolerance,
                 "{tolerance} {shape:e} {translation:e}"
             );
-            assert!(snapshots.error_beyond(&pod.space_values, pod.modes.ncols(), 5) <= tolerance);
-            sizes.push((pod.modes.ncols(), pod.slices.len()));
+            assert!(pod.space_error <= tolerance && snapshots.parameter_error(&pod) <= PARAMETER_SHARE * tolerance);
+            sizes.push((pod.modes.ncols(), pod.axial_controls.nrows()));
         }
         assert!(sizes[0] < sizes[1] && sizes[1] < sizes[2], "{sizes:?}");
+    }
+
+    #[test]
+    fn the_end_of_a_motion_needs_fewer_modes_than_its_start() {
+        // Two shapes that stay, and sixteen that pass.
+        const LONG: usize = 80;
+        let times: Vec<f64> = (0..LONG).map(|i| 0.05 * i as f64).collect();
+        let share = |n: usize, j: usize| 1.0 + (j as f64 * (0.4 + 0.7 * n as f64)).cos();
+        let value = |n: usize, j: usize, t: f64| match n {
+            0 | 1 => [
+                share(n, j) * (0.2 * t * n as f64).cos(),
+                -share(n, j) * 0.2 * n as f64 * (0.2 * t * n as f64).sin(),
+            ],
+            _ => {
+                let (size, rate) = (0.1 * share(n, j) * (-4.0 * t).exp(), (3 * n) as f64);
+                [
+                    size * (rate * t).cos(),
+                    -size * (4.0 * (rate * t).cos() + rate * (rate * t).sin()),
+                ]
+            }
+        };
+        let state = |j: usize, which: usize| State {
+            translation: times.iter().map(|t| [*t, 1.0][which]).collect(),
+            shape: Mat::from_fn(24, LONG, |r, i| {
+                (0..18)
+                    .map(|n| value(n, j, times[i])[which] * ((1.1 * n as f64 + 0.5) * r as f64).sin())
+                    .sum()
+            }),
+        };
+        let states: Vec<[State; 2]> = (0..7).map(|j| [state(j, 0), state(j, 1)]).collect();
+        let joined: Vec<[&State; 2]> = states.iter().map(|[u, v]| [u, v]).collect();
+        let tolerance = 1e-4;
+        let snapshots = Snapshots::new(&joined, &times, 8, Truncation::Tolerance(tolerance)).unwrap();
+        let pod = snapshots.reduce(&[0, 1, 2, 3, 4, 5, 6]).unwrap();
+
+        assert_eq!(pod.spans.len(), 4);
+        let controls: usize = pod.spans.iter().map(|span| span.slices.len()).sum();
+        assert_eq!(controls, pod.axial_controls.nrows());
+        let spans = snapshots.spans.iter();
+        assert_eq!(spans.clone().map(|span| span.instants.start).min(), Some(0));
+        assert_eq!(spans.map(|span| span.instants.end).max(), Some(LONG));
+        let [first, .., last] = &pod.spans[..] else {
+            unreachable!()
+        };
+        let rows = |span: &SpanPod| span.slices.iter().map(Mat::nrows).max().unwrap();
+        assert!(rows(last) < rows(first), "{} {}", rows(last), rows(first));
+        assert!(last.parameter_modes.ncols() < first.parameter_modes.ncols());
+
+        // At its two ends the spline is its first and last control.
+        let modes = snapshots.modes_at_nodes(&pod);
+        for (span, slice, i) in [(first, 0, 0), (last, last.slices.len() - 1, LONG - 1)] {
+            let alpha = product(&span.slices[slice], &span.parameter_modes.transpose().to_owned());
+            let found = product(&leading(&modes, alpha.nrows()), &alpha);
+            let square: f64 = (0..7)
+                .flat_map(|j| (0..24).map(move |r| (j, r)))
+                .map(|(j, r)| (found[(r, j)] - states[j][0].shape[(r, i)]).powi(2))
+                .sum();
+            let error = (square / (8.0 * 7.0)).sqrt();
+            assert!(error < 4.0 * tolerance, "{i}: {error:e}");
+        }
     }
 
     #[test]
@@ -389,14 +529,15 @@ mod tests {
         let states = states();
         let snapshots = snapshots(&states, Truncation::Ranks(Ranks { space: 4, parameter: 2 }));
         let pod = snapshots.reduce(&[0, 1, 2, 3, 4]).unwrap();
-        assert_eq!((pod.modes.ncols(), pod.parameter_modes.ncols()), (3, 2));
+        assert_eq!(pod.spans.len(), 1);
+        assert_eq!((pod.modes.ncols(), pod.spans[0].parameter_modes.ncols()), (3, 2));
     }
 
     #[test]
     fn what_is_left_out_keeps_the_budget() {
         let slice = Mat::from_fn(20, 7, |k, l| 0.6f64.powi(k as i32) * ((3 * k + l) as f64).cos());
         let end = kept_rows(&slice, 1e-6).nrows();
-        let square = |rows: std::ops::Range<usize>| -> f64 {
+        let square = |rows: Range<usize>| -> f64 {
             rows.flat_map(|k| (0..7).map(move |l| (k, l)))
                 .map(|(k, l)| slice[(k, l)].powi(2))
                 .sum()
@@ -417,16 +558,19 @@ mod tests {
         let states = states();
         let snapshots = snapshots(&states, Truncation::Tolerance(2e-4));
         let pod = snapshots.reduce(&[0, 1, 2, 3, 4]).unwrap();
-        let (samples, columns) = pod.parameter_modes.shape();
+        let [span] = &pod.spans[..] else {
+            panic!("few controls are one span")
+        };
+        let (samples, columns) = span.parameter_modes.shape();
         let psi = |j: usize| (0..columns).map(move |l| (l, j));
-        let mean = |sum: f64| sum / (4 * pod.slices.len() * samples) as f64;
+        let mean = |sum: f64| sum / (4 * span.slices.len() * samples) as f64;
         let budget = snapshots.digits(&pod);
 
-        let coarse = snapshots.coarse_columns(&pod);
+        let coarse = snapshots.coarse_columns(&pod, span);
         assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
         let error = |coarse: usize| {
             let mut sum = 0.0;
-            for (slice, k) in pod
+            for (slice, k) in span
                 .slices
                 .iter()
                 .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)))
@@ -435,7 +579,7 @@ mod tests {
                 // The columns of two bytes are exact beside those of one.
                 let rest = rounded(&row[coarse..]);
                 let error = |(l, j): (usize, usize)| match l.checked_sub(coarse) {
-                    Some(m) => (rest[m] - row[l]) * pod.parameter_modes[(j, l)],
+                    Some(m) => (rest[m] - row[l]) * span.parameter_modes[(j, l)],
                     None => 0.0,
                 };
                 sum += (0..samples)
@@ -446,23 +590,23 @@ mod tests {
         };
         assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
 
-        let coarse = snapshots.coarse_parameter_modes(&pod);
+        let coarse = snapshots.coarse_parameter_modes(&pod, span);
         assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
         let error = |coarse: usize| {
             let modes: Vec<Vec<f64>> = (0..columns)
                 .map(|l| {
-                    let mode: Vec<f64> = (0..samples).map(|j| pod.parameter_modes[(j, l)]).collect();
+                    let mode: Vec<f64> = (0..samples).map(|j| span.parameter_modes[(j, l)]).collect();
                     if l < coarse { mode } else { rounded(&mode) }
                 })
                 .collect();
             let mut sum = 0.0;
-            for (slice, j) in pod
+            for (slice, j) in span
                 .slices
                 .iter()
                 .flat_map(|slice| (0..samples).map(move |j| (slice, j)))
             {
                 for k in 0..slice.nrows() {
-                    let error = psi(j).map(|(l, j)| slice[(k, l)] * (modes[l][j] - pod.parameter_modes[(j, l)]));
+                    let error = psi(j).map(|(l, j)| slice[(k, l)] * (modes[l][j] - span.parameter_modes[(j, l)]));
                     sum += error.sum::<f64>().powi(2);
                 }
             }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::OfflineError;
 
 /// The most modes that are kept: with the translation the default capacity of the core's workspace.
-pub(crate) const MAX_MODES: usize = 96;
+pub(crate) const MAX_MODES: usize = 128;
 
 /// Settings of the offline stage; the default is what the shipped model is built with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -71,8 +71,9 @@ pub enum Design {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Truncation {
-    /// As many as bring the error of the displacement by the basis of space below a tolerance, in l (root mean square over nodes,
-    /// instants and samples), and by that of the parameters below one and a half times as much, but no more than the core holds.
+    /// As many as bring the error of the displacement by the basis of space below a tolerance, in l (root mean square over the
+    /// nodes, the samples and the instants of each span of time), and by that of the parameters below five eighths of it, but no
+    /// more than the core holds.
     Tolerance(f64),
     /// As many as are asked for, like the paper.
     Ranks(Ranks),
@@ -126,7 +127,7 @@ impl Default for Settings {
                 parameter: 1,
                 value: 0.9,
             }),
-            truncation: Truncation::Tolerance(7.8e-5),
+            truncation: Truncation::Tolerance(1.35e-4),
             storage: Storage::Integer,
             spacing: 0.05,
             kernel: Kernel {
@@ -180,7 +181,7 @@ impl Settings {
             membrane_law: "not stated".to_owned(),
             domain,
             split: None,
-            truncation: Truncation::Tolerance(1e-4 * radius),
+            truncation: Truncation::Tolerance(2e-4 * radius),
             kernel: Kernel {
                 neighbours: kernel,
                 scales,
@@ -202,7 +203,7 @@ impl Settings {
         let standard = Settings::default();
         Settings {
             design: Design::Paper,
-            truncation: Truncation::Tolerance(3e-5),
+            truncation: Truncation::Tolerance(6e-5),
             kernel: Kernel {
                 neighbours: 24,
                 ..standard.kernel

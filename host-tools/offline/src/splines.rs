@@ -4,11 +4,23 @@ use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
 use crate::pod::product;
+use std::ops::Range;
 
 /// Order of the splines.
 const ORDER: usize = 4;
 /// What a rate counts as against a value: a third of the shorter interval beside its instant, for a control lies so far from it.
 const RATE_SHARE: f64 = 1.0 / 3.0;
+/// The most spans of time with modes of their own.
+const MOST_SPANS: usize = 4;
+/// The least controls of a span, unless there are fewer.
+const LEAST_CONTROLS: usize = 8;
+
+/// A span of time: successive controls, and the instants between the places of the first and of the next span's first.
+pub(crate) struct Span {
+    pub(crate) controls: Range<usize>,
+    pub(crate) instants: Range<usize>,
+}
+
 /// The splines of a cluster, and the least-squares fit to values and rates at its instants.
 pub(crate) struct TimeFit {
     /// Each end four times.
@@ -111,6 +123,35 @@ impl TimeFit {
     /// Number of controls.
     pub(crate) fn count(&self) -> usize {
         self.knots.len() - ORDER
+    }
+
+    /// Time in one span.
+    pub(crate) fn whole(&self, times: &[f64]) -> Vec<Span> {
+        vec![self.span(0..self.count(), times)]
+    }
+
+    /// Time in a few spans of as many controls: most lie at the start, where the motion is fastest.
+    pub(crate) fn spans(&self, times: &[f64]) -> Vec<Span> {
+        let controls = self.count();
+        let count = (controls / LEAST_CONTROLS).clamp(1, MOST_SPANS);
+        let start = |span: usize| span * controls / count;
+        (0..count)
+            .map(|span| self.span(start(span)..start(span + 1), times))
+            .collect()
+    }
+
+    fn span(&self, controls: Range<usize>, times: &[f64]) -> Span {
+        let start = times.partition_point(|t| *t < self.place(controls.start));
+        let end = times.partition_point(|t| *t <= self.place(controls.end.min(self.count() - 1)));
+        Span {
+            instants: start.min(end.saturating_sub(1))..end,
+            controls,
+        }
+    }
+
+    /// Where a control acts: the mean of the knots inside its spline (Greville 1967).
+    fn place(&self, control: usize) -> f64 {
+        self.knots[control + 1..control + ORDER].iter().sum::<f64>() / (ORDER - 1) as f64
     }
 
     /// Controls `[r, N_b]` of a sample's snapshots `[r, 2 N_t]`.

@@ -3,13 +3,14 @@
 use capsule_core::model::encode;
 use capsule_core::model::wire::{
     self, Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference,
+    Span,
 };
 use capsule_core::{DIAGONAL, MIDPLANE};
 use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
 use std::ops::Range;
 
-use crate::pod::{DoublePod, LANES, Snapshots};
+use crate::pod::{DoublePod, LANES, Snapshots, SpanPod};
 use crate::settings::Storage;
 use crate::{LeftOut, OfflineError, Settings};
 
@@ -330,12 +331,67 @@ impl ErrorParts {
 #[derive(Clone)]
 struct FieldParts {
     modes: Numbers,
-    parameter_modes: Numbers,
     knots: Numbers,
-    slices: Vec<u8>,
-    core: Numbers,
+    spans: Vec<SpanParts>,
     axial_controls: Numbers,
     axial_modes: Numbers,
+}
+
+#[derive(Clone)]
+struct SpanParts {
+    parameter_modes: Numbers,
+    slices: Vec<u8>,
+    core: Numbers,
+}
+
+impl SpanParts {
+    fn new(snapshots: &Snapshots, pod: &DoublePod, span: &SpanPod, storage: Storage) -> Self {
+        let columns = span.parameter_modes.ncols();
+        let panels = |slice: &Mat<f64>| slice.nrows().div_ceil(LANES);
+        let rows = |slice| (0..LANES * panels(slice)).map(move |k| (slice, k));
+        let core: Vec<(&Mat<f64>, usize)> = span.slices.iter().flat_map(rows).collect();
+        let entry = |(slice, k): (&Mat<f64>, usize), l: usize| {
+            if k < slice.nrows() { slice[(k, l)] } else { 0.0 }
+        };
+        SpanParts {
+            parameter_modes: Numbers::integers(
+                storage,
+                Encoding::Columns,
+                snapshots.coarse_parameter_modes(pod, span),
+                [span.parameter_modes.nrows(), columns],
+                |j, l| span.parameter_modes[(j, l)],
+            ),
+            slices: indices(&span.slices.iter().map(|slice| panels(slice) as u32).collect::<Vec<_>>()),
+            core: Numbers::integers(
+                storage,
+                Encoding::RowPanels,
+                snapshots.coarse_columns(pod, span),
+                [core.len(), columns],
+                |i, l| entry(core[i], l),
+            ),
+        }
+    }
+
+    /// Without the samples at these places.
+    fn without(&self, out: &[usize]) -> Self {
+        SpanParts {
+            parameter_modes: self.parameter_modes.without(out),
+            ..self.clone()
+        }
+    }
+
+    fn wire(&self) -> Span<'_> {
+        Span {
+            parameter_modes: self.parameter_modes.matrix(),
+            slices: Blob::new(&self.slices),
+            core: self.core.matrix(),
+        }
+    }
+
+    /// Bytes of its arrays.
+    fn length(&self) -> usize {
+        self.parameter_modes.bytes.len() + self.slices.len() + self.core.bytes.len()
+    }
 }
 
 impl FieldParts {
@@ -349,13 +405,6 @@ impl FieldParts {
         };
         let greatest = |k| (0..3 * stride).map(|row| at_node(row, k).abs()).fold(0.0, f64::max);
         let coarse_modes = snapshots.coarse_modes(pod, greatest);
-        let columns = pod.parameter_modes.ncols();
-        let panels = |slice: &Mat<f64>| slice.nrows().div_ceil(LANES);
-        let rows = |slice| (0..LANES * panels(slice)).map(move |k| (slice, k));
-        let core: Vec<(&Mat<f64>, usize)> = pod.slices.iter().flat_map(rows).collect();
-        let entry = |(slice, k): (&Mat<f64>, usize), l: usize| {
-            if k < slice.nrows() { slice[(k, l)] } else { 0.0 }
-        };
         let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
         FieldParts {
             modes: Numbers::integers(
@@ -365,22 +414,12 @@ impl FieldParts {
                 [3 * stride, modes.ncols()],
                 at_node,
             ),
-            parameter_modes: Numbers::integers(
-                storage,
-                Encoding::Columns,
-                snapshots.coarse_parameter_modes(pod),
-                [pod.parameter_modes.nrows(), columns],
-                |j, l| pod.parameter_modes[(j, l)],
-            ),
             knots: Numbers::column(snapshots.knots()),
-            slices: indices(&pod.slices.iter().map(|slice| panels(slice) as u32).collect::<Vec<_>>()),
-            core: Numbers::integers(
-                storage,
-                Encoding::RowPanels,
-                snapshots.coarse_columns(pod),
-                [core.len(), columns],
-                |i, l| entry(core[i], l),
-            ),
+            spans: pod
+                .spans
+                .iter()
+                .map(|span| SpanParts::new(snapshots, pod, span, storage))
+                .collect(),
             axial_controls: dense(&pod.axial_controls),
             axial_modes: dense(&pod.axial_modes),
         }
@@ -389,7 +428,7 @@ impl FieldParts {
     /// Without the samples at these places.
     fn without(&self, out: &[usize]) -> Self {
         FieldParts {
-            parameter_modes: self.parameter_modes.without(out),
+            spans: self.spans.iter().map(|span| span.without(out)).collect(),
             axial_modes: self.axial_modes.without(out),
             ..self.clone()
         }
@@ -398,10 +437,8 @@ impl FieldParts {
     fn wire(&self) -> Field<'_> {
         Field {
             modes: self.modes.matrix(),
-            parameter_modes: self.parameter_modes.matrix(),
             knots: self.knots.matrix(),
-            slices: Blob::new(&self.slices),
-            core: self.core.matrix(),
+            spans: self.spans.iter().map(SpanParts::wire).collect(),
             axial_controls: self.axial_controls.matrix(),
             axial_modes: self.axial_modes.matrix(),
         }
@@ -409,15 +446,9 @@ impl FieldParts {
 
     /// Bytes of its arrays.
     fn length(&self) -> usize {
-        let arrays = [
-            &self.modes,
-            &self.parameter_modes,
-            &self.knots,
-            &self.core,
-            &self.axial_controls,
-            &self.axial_modes,
-        ];
-        self.slices.len() + arrays.map(|array| array.bytes.len()).iter().sum::<usize>()
+        let arrays = [&self.modes, &self.knots, &self.axial_controls, &self.axial_modes];
+        let spans = self.spans.iter().map(SpanParts::length);
+        spans.chain(arrays.map(|array| array.bytes.len())).sum()
     }
 }
 

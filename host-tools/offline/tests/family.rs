@@ -62,7 +62,10 @@ fn the_model_returns_the_family_between_its_samples() {
     for cluster in &report.clusters {
         assert_eq!(cluster.samples, 15);
         assert!(cluster.field.space_rank <= 9, "{cluster:?}");
-        assert!(cluster.field.parameter_rank <= 8, "{cluster:?}");
+        assert!(
+            cluster.field.parameter_ranks.iter().all(|rank| *rank <= 8),
+            "{cluster:?}"
+        );
         assert!(
             cluster.field.space_error < 1e-6 && cluster.field.parameter_error < 1e-6,
             "{cluster:?}"
@@ -183,7 +186,10 @@ fn ranks_are_kept_as_asked() {
     )
     .unwrap();
     let cluster = &report.clusters[0];
-    assert_eq!((cluster.field.space_rank, cluster.field.parameter_rank), (2, 3));
+    assert_eq!(
+        (cluster.field.space_rank, &cluster.field.parameter_ranks[..]),
+        (2, &[3][..])
+    );
     let spectrum = report
         .spectra
         .iter()

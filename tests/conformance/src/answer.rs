@@ -4,7 +4,7 @@ use crate::line::{Ask, Case, Precision};
 use crate::words::{Text, Word};
 use capsule_core::error::EvaluateError;
 use capsule_core::mechanics::Stencil;
-use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE, Model, Nodes, Playback, Query, Scene, Workspace};
+use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE, Model, Nodes, Playback, Query, Real, Scene, Workspace};
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 /// The most nodes of a mesh.
@@ -22,7 +22,7 @@ pub struct Asker {
     double: Storage<f64>,
 }
 
-struct Storage<T> {
+struct Storage<T: Real> {
     workspace: Workspace<T>,
     playback: Playback<T, [T; ROOM]>,
     vectors: [[T; 3]; NODES],

@@ -36,7 +36,7 @@ struct Comparison {
 }
 
 /// Tolerances of models beside the shipped one, in l.
-const TOLERANCES: [f64; 3] = [3e-4, 1.5e-4, 4e-5];
+const TOLERANCES: [f64; 3] = [6e-4, 3e-4, 8e-5];
 
 /// Time of a query with a trajectory of all nodes against its error, for every method and setting.
 pub(super) fn pareto(
