@@ -68,8 +68,9 @@ static void open_model(void) {
 
 static void initialise(void) { check(capsule_initialise(&workspace, sizeof workspace, NULL)); }
 
+/* Where the model has the most modes; what a query to the observables costs is the median of spread.c. */
 static void query_to_observables(void) {
-  prepare(CAPSULE_METHOD_DIRECT, 0.083f, 0.873f);
+  prepare(CAPSULE_METHOD_DIRECT, 0.06f, 0.95f);
   observe(3.3f);
 }
 
@@ -81,7 +82,7 @@ static void outline(void) {
 }
 
 static void query_to_outline(void) {
-  prepare(CAPSULE_METHOD_DIRECT, 0.083f, 0.874f);
+  prepare(CAPSULE_METHOD_DIRECT, 0.06f, 0.951f);
   outline();
 }
 
@@ -103,12 +104,12 @@ static void velocities(void) {
 }
 
 static void dynamics_start(void) {
-  prepare(CAPSULE_METHOD_PAPER, 0.083f, 0.873f);
+  prepare(CAPSULE_METHOD_PAPER, 0.06f, 0.95f);
   observe(0.0f);
 }
 
 static void dynamics(void) {
-  prepare(CAPSULE_METHOD_PAPER, 0.083f, 0.874f);
+  prepare(CAPSULE_METHOD_PAPER, 0.06f, 0.951f);
   observe(about.end_time);
 }
 
@@ -120,7 +121,7 @@ int main(void) {
   deepest = 0;
   check(capsule_describe(&model, &about, NULL));
   measure("initialise", initialise);
-  measure("observables", query_to_observables);
+  measure("dear_observables", query_to_observables);
   measure("same_interval", same_interval);
   measure("outline", query_to_outline);
   measure("outline_alone", outline);
