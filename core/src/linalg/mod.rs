@@ -81,18 +81,7 @@ pub(crate) fn add_whole_panels<T: Real, const B: usize, const P: usize>(
     x: &[[T::Whole; B]],
     lanes: &mut [[[T::Whole; LANES]; B]; P],
 ) {
-    let count = panels.iter().fold(x.len(), |count, panel| count.min(panel.len()));
-    let (panels, x) = (panels.map(|panel| part(panel, 0..count)), part(x, 0..count));
-    let mut sums = *lanes;
-    for (column, x) in x.iter().enumerate() {
-        for (sums, panel) in sums.iter_mut().zip(panels) {
-            let Some(entries) = panel.get(column) else { continue };
-            for (sums, x) in sums.iter_mut().zip(x) {
-                *sums = add_whole_column::<T>(*sums, entries, *x);
-            }
-        }
-    }
-    *lanes = sums;
+    add_columns(panels, x, lanes, add_whole_column::<T>);
 }
 
 /// As [`add_column`], of wholes.
@@ -124,6 +113,19 @@ pub(crate) fn add_panels<E: Copy, T: Real, const B: usize, const P: usize>(
     value: impl Fn(E) -> T,
     lanes: &mut [[[T; LANES]; B]; P],
 ) {
+    add_columns(panels, x, lanes, |sums, entries, x| {
+        add_column(sums, entries, x, &value)
+    });
+}
+
+/// Goes through the columns of some panels with the vectors' entries of their numbers.
+#[inline(always)]
+fn add_columns<E, X: Copy, S: Copy, const B: usize, const P: usize>(
+    panels: [&[[E; LANES]]; P],
+    x: &[[X; B]],
+    lanes: &mut [[[S; LANES]; B]; P],
+    add: impl Fn([S; LANES], &[E; LANES], X) -> [S; LANES],
+) {
     // One length for all, so that the loop looks at one.
     let count = panels.iter().fold(x.len(), |count, panel| count.min(panel.len()));
     let (panels, x) = (panels.map(|panel| part(panel, 0..count)), part(x, 0..count));
@@ -132,7 +134,7 @@ pub(crate) fn add_panels<E: Copy, T: Real, const B: usize, const P: usize>(
         for (sums, panel) in sums.iter_mut().zip(panels) {
             let Some(entries) = panel.get(column) else { continue };
             for (sums, x) in sums.iter_mut().zip(x) {
-                *sums = add_column(*sums, entries, *x, &value);
+                *sums = add(*sums, entries, *x);
             }
         }
     }
