@@ -339,7 +339,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         let field = Snapshot {
             mesh: self.model.mesh(),
             modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: velocity.shape.factors(velocity.count),
+            coefficients: velocity.shape.factors(),
             scale: T::ZERO,
             translation,
         };
@@ -476,7 +476,6 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         };
         computed.t = Some(t);
         computed.translation = *translation;
-        computed.count = count;
         for (out, value) in computed.shape.values.as_flattened_mut().iter_mut().zip(shape) {
             *out = *value;
         }
@@ -525,7 +524,7 @@ fn shape<'a, 's, T: Real, const K: usize>(
     Snapshot {
         mesh: model.mesh(),
         modes: MatrixView::new(&cluster.field.modes),
-        coefficients: displacement.shape.factors(displacement.count),
+        coefficients: displacement.shape.factors(),
         scale: model.scale(&query.parameters),
         translation,
     }

@@ -64,7 +64,8 @@ impl<T: Real, const K: usize> Contracted<T, K> {
         self.span = None;
         let modes = MatrixView::new(&field.axial_modes);
         let values = part_mut(self.axial.values.as_flattened_mut(), 0..modes.columns());
-        modes.combine(weights.iter(), values);
+        let (samples, weights) = weights.parts();
+        modes.combine(samples, weights, values);
         let controls = MatrixView::new(&field.axial_controls);
         self.axial.ready(&controls, controls.columns());
     }
@@ -163,8 +164,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     fn axial_control(&self, b: usize) -> T {
-        let axial = self.contracted.axial.factors(self.axial_controls.columns());
-        self.axial_controls.dot(b, axial)
+        self.axial_controls.dot(b, self.contracted.axial.factors())
     }
 
     /// out <- slice b times psi of its span, as far as there are rows.
@@ -179,10 +179,8 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             let modes = MatrixView::new(&span.parameter_modes);
             let core = MatrixView::new(&span.core);
             if *known != Some(number) {
-                let weights = self.samples.iter().zip(self.weights);
-                let weights = weights.map(|(sample, weight)| ((*sample).into(), *weight));
                 let values = part_mut(psi.values.as_flattened_mut(), 0..modes.columns());
-                modes.combine(weights, values);
+                modes.combine(self.samples, self.weights, values);
                 psi.ready(&core, modes.columns());
                 *known = Some(number);
             }
@@ -190,7 +188,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             let first = counts.by_ref().take(b).sum();
             let rows = LANES * counts.next().unwrap_or_default();
             let rows = rows.min(out.len());
-            return multiply(&core, first, psi.factors(modes.columns()), part_mut(out, 0..rows));
+            return multiply(&core, first, psi.factors(), part_mut(out, 0..rows));
         }
     }
 }

@@ -75,11 +75,11 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
             };
             if *known != Some(group) {
                 let modes = MatrixView::new(&cluster.field.modes);
-                let (coefficients, count) = coefficients(&mut motion, &modes, group);
+                let coefficients = coefficients(&mut motion, &modes, group);
                 let snapshot = Snapshot {
                     mesh: model.mesh(),
                     modes,
-                    coefficients: coefficients.factors(count),
+                    coefficients: coefficients.factors(),
                     scale: model.scale(&prepared.query.parameters),
                     translation: T::ZERO,
                 };
@@ -110,13 +110,13 @@ fn frame(surface: usize) -> usize {
     5 * surface / 3
 }
 
-/// Coefficients of the modes, of a group of controls, ready for products; and how many of them are not zero.
+/// Coefficients of the modes, of a group of controls, as far as they are not zero, ready for products.
 #[inline(never)]
 fn coefficients<T: Real, const K: usize>(
     motion: &mut Motion<'_, '_, T, K>,
     modes: &MatrixView<'_>,
     group: usize,
-) -> (Vectors<T, K, ORDER>, usize) {
+) -> Vectors<T, K, ORDER> {
     let mut coefficients = Vectors::ZERO;
     let mut control = [T::ZERO; K];
     for i in 0..ORDER {
@@ -129,7 +129,7 @@ fn coefficients<T: Real, const K: usize>(
     let last = coefficients.values.iter().rposition(|all| *all != [T::ZERO; ORDER]);
     let count = last.map_or(0, |last| last + 1);
     coefficients.ready(modes, count);
-    (coefficients, count)
+    coefficients
 }
 
 /// Computes a group of surfaces.

@@ -1,13 +1,14 @@
 //! The two scalars of the core. Only + - * / sqrt and libm's exp are used, so the same bits come out on every target.
 
+use crate::linalg::{self, Block, LANES, multiply_singles};
 use core::fmt::{Debug, Display};
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A floating-point scalar: `f32` or `f64`.
 ///
-/// Products with entries of one byte are sums of whole numbers, which are exact, so that no order of them gives other
-/// bits, and take a microcontroller half as long.
+/// Products with stored integers are sums of whole numbers, which are exact, so that no order of them gives other bits, and
+/// take a microcontroller a quarter as long.
 pub trait Real:
     Copy
     + Debug
@@ -32,19 +33,34 @@ pub trait Real:
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
 
-    /// A whole number: that of a sum of products.
+    /// A whole number: a sum of products.
     type Whole: Copy + Debug;
     /// 0.
     const NO_WHOLE: Self::Whole;
-    /// The greatest sum of the wholes of a vector, without their signs: a power of two, so that more than 128 times it is a whole.
-    const GREATEST_WHOLE: Self;
+    /// Two whole numbers that are factors.
+    type Pair: Copy + Debug;
+    /// Two zeros.
+    const NO_PAIR: Self::Pair;
+    /// The greatest factor: 500 products of it and of entries are a whole.
+    const GREATEST_FACTOR: Self;
 
-    /// Without its fraction; 0 for a NaN.
-    fn to_whole(self) -> Self::Whole;
+    /// The nearest factors to two numbers, neither beyond the greatest.
+    fn pair(first: Self, second: Self) -> Self::Pair;
     /// The nearest number to a whole.
     fn from_whole(whole: Self::Whole) -> Self;
-    /// A sum and the product of a stored entry and a factor.
-    fn add_product(sum: Self::Whole, entry: i8, factor: Self::Whole) -> Self::Whole;
+    /// The sums of two rows and their products with a pair of factors: `entries` are those of the first column, then those of
+    /// the second.
+    fn add_products(sums: [Self::Whole; 2], entries: [u8; 4], pair: Self::Pair) -> [Self::Whole; 2];
+    /// products <- panels times some vectors, each in its unit.
+    #[inline(always)]
+    fn multiply<const B: usize, const P: usize>(
+        panels: [&[Block]; P],
+        pairs: &[[Self::Pair; B]],
+        units: [Self; B],
+        products: &mut [[[Self; LANES]; B]; P],
+    ) {
+        linalg::multiply(panels, pairs, units, products);
+    }
 
     /// The nearest number to a stored single.
     fn from_f32(value: f32) -> Self;
@@ -86,7 +102,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($scalar:ident, $whole:ident, $bits:literal, $sqrt:path, $quick_sqrt:path, $exp:path) => {
+    ($scalar:ident, $whole:ident, $sqrt:path, $quick_sqrt:path, $exp:path, { $($products:tt)* }) => {
         impl Real for $scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -94,19 +110,11 @@ macro_rules! real {
 
             type Whole = $whole;
             const NO_WHOLE: $whole = 0;
-            const GREATEST_WHOLE: Self = (1_u64 << $bits) as $scalar;
+            $($products)*
 
-            #[inline(always)]
-            fn to_whole(self) -> $whole {
-                self as $whole
-            }
             #[inline(always)]
             fn from_whole(whole: $whole) -> Self {
                 whole as $scalar
-            }
-            #[inline(always)]
-            fn add_product(sum: $whole, entry: i8, factor: $whole) -> $whole {
-                sum.wrapping_add($whole::from(entry).wrapping_mul(factor))
             }
 
             fn from_f32(value: f32) -> Self {
@@ -146,8 +154,50 @@ macro_rules! real {
     };
 }
 
-real!(f32, i32, 23, libm::sqrtf, newton, libm::expf);
-real!(f64, i64, 52, libm::sqrt, libm::sqrt, libm::exp);
+real!(f32, i32, libm::sqrtf, newton, libm::expf, {
+    type Pair = u32;
+    const NO_PAIR: u32 = 0;
+    const GREATEST_FACTOR: f32 = 32767.0;
+
+    #[inline(always)]
+    fn pair(first: f32, second: f32) -> u32 {
+        // At this size the last digit counts ones.
+        let half = |number: f32| (number + 12_582_912.0).to_bits();
+        half(first) & 0xffff | half(second) << 16
+    }
+    #[inline(always)]
+    fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
+        capsule_dsp::add_products(sums, entries, pair)
+    }
+    #[inline(always)]
+    fn multiply<const B: usize, const P: usize>(
+        panels: [&[Block]; P],
+        pairs: &[[u32; B]],
+        units: [f32; B],
+        products: &mut [[[f32; LANES]; B]; P],
+    ) {
+        multiply_singles(panels, pairs, units, products);
+    }
+});
+real!(f64, i64, libm::sqrt, libm::sqrt, libm::exp, {
+    type Pair = [i64; 2];
+    const NO_PAIR: [i64; 2] = [0; 2];
+    const GREATEST_FACTOR: f64 = (1_u64 << 46) as f64;
+
+    fn pair(first: f64, second: f64) -> [i64; 2] {
+        // As for singles.
+        const ONES: f64 = 6_755_399_441_055_744.0;
+        [first, second].map(|number| (number + ONES - ONES) as i64)
+    }
+    fn add_products([p, q]: [i64; 2], entries: [u8; 4], [x, y]: [i64; 2]) -> [i64; 2] {
+        let [a, b, c, d] = entries.map(|entry| i64::from(entry.cast_signed()));
+        let add = |sum: i64, first: i64, second: i64| {
+            sum.wrapping_add(first.wrapping_mul(x))
+                .wrapping_add(second.wrapping_mul(y))
+        };
+        [add(p, a, c), add(q, b, d)]
+    }
+});
 
 /// x / sqrt(x) by three of Newton's steps from a guess in the bits: a quarter of the instructions that a correctly rounded
 /// root takes a Cortex-M, whose own no safe code reaches.

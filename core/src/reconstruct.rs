@@ -181,6 +181,7 @@ pub(crate) struct Walk<'f, 'a, 's, T: Real> {
 
 impl<T: Real> Walk<'_, '_, '_, T> {
     /// A component at a sector node. That of the next axis is computed with it where it costs little.
+    #[inline(always)]
     fn component(&mut self, sector_node: usize, axis: usize) -> T {
         let panel = sector_node / LANES;
         let known = self.known.get(axis).map(|(known, _)| *known);
@@ -196,7 +197,7 @@ impl<T: Real> Walk<'_, '_, '_, T> {
             .map_or(T::ZERO, |(_, lanes)| lanes[sector_node % LANES])
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn compute<const P: usize>(&mut self, panel: usize, axes: [usize; P]) {
         let values = self.field.panels(axes.map(|axis| (axis, panel)));
         for (axis, [lanes]) in axes.into_iter().zip(values) {
@@ -225,17 +226,15 @@ impl<T: Real> Walk<'_, '_, '_, T> {
         let x = self.component(representative, 0);
         let radius = match plane {
             // The mirror plane holds its nodes: what is across it is 0.
-            Plane::Mirror => self
-                .component(representative, if operation & 4 == 0 { 1 } else { 2 })
-                .abs(),
+            Plane::Mirror if operation & 4 == 0 => self.component(representative, 1).abs(),
+            Plane::Mirror => self.component(representative, 2).abs(),
             Plane::Diagonal => (self.component(representative, 1) * T::from_f64(core::f64::consts::SQRT_2)).abs(),
             Plane::Other => {
                 let (y, z) = (self.component(representative, 1), self.component(representative, 2));
                 (y * y + z * z).sqrt()
             }
         };
-        let [x, radius, _] = finite([x, radius, T::ZERO])?;
-        Ok([x, radius])
+        finite([x, radius])
     }
 }
 
@@ -258,7 +257,7 @@ pub(crate) fn room<E>(out: &mut [E], required: usize) -> Result<&mut [E], Evalua
         .ok_or(EvaluateError::BufferTooShort { required, found })
 }
 
-fn finite<T: Real>(vector: [T; 3]) -> Result<[T; 3], EvaluateError> {
+fn finite<T: Real, const D: usize>(vector: [T; D]) -> Result<[T; D], EvaluateError> {
     if vector.iter().all(|component| component.is_finite()) {
         Ok(vector)
     } else {

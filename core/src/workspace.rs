@@ -53,8 +53,6 @@ pub(crate) struct Coefficients<T: Real, const K: usize> {
     pub(crate) t: Option<T>,
     pub(crate) translation: T,
     pub(crate) shape: Vectors<T, K>,
-    /// How many of the shape's leading ones count.
-    pub(crate) count: usize,
 }
 
 impl<T: Real, const K: usize> Coefficients<T, K> {
@@ -62,7 +60,6 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
         t: None,
         translation: T::ZERO,
         shape: Vectors::ZERO,
-        count: 0,
     };
 }
 

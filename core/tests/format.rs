@@ -45,11 +45,12 @@ fn what_was_written_is_read_in_place() {
     same(&read.mesh.operations, &contents.mesh.operations);
     same(&read.times.blob, &contents.times.blob);
     for (a, b) in read.clusters.iter().zip(&contents.clusters) {
-        same(&a.samples.blob, &b.samples.blob);
+        same(&a.samples.parameters.blob, &b.samples.parameters.blob);
+        same(&a.samples.places.blob, &b.samples.places.blob);
         same(&a.field.spans[1].core.blob, &b.field.spans[1].core.blob);
         same(&a.paper_errors.deviation.blob, &b.paper_errors.deviation.blob);
     }
-    assert_eq!(blobs, 9);
+    assert_eq!(blobs, 11);
     let mesh = model.mesh();
     for (node, exact) in family.sphere.nodes.iter().enumerate() {
         let found = mesh.reference(node).unwrap();
@@ -116,10 +117,16 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 9);
-    assert_eq!(newer, OpenError::Version { found: 9, supported: 8 });
+    let newer = open(&|file| file[4] = 10);
+    assert_eq!(
+        newer,
+        OpenError::Version {
+            found: 10,
+            supported: 9
+        }
+    );
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 8 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 9 });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -255,7 +262,7 @@ fn wrong_numbers_are_refused() {
             c.clusters[0].field.axial_controls = changed(&c.clusters[0].field.axial_controls, 0, value)
         }));
         number("samples")(refused(|c| {
-            c.clusters[0].samples = changed(&c.clusters[0].samples, 0, value)
+            c.clusters[0].samples.parameters = changed(&c.clusters[0].samples.parameters, 0, value)
         }));
         number("leave-one-out errors")(refused(|c| {
             c.clusters[0].paper_errors.left_out = changed(&c.clusters[0].paper_errors.left_out, 0, value);
@@ -275,12 +282,12 @@ fn wrong_numbers_are_refused() {
         c.clusters[0].paper_errors.deviation = changed(&c.clusters[0].paper_errors.deviation, 0, 0.0);
     }));
     number("samples")(refused(|c| {
-        c.clusters[0].samples = changed(&c.clusters[0].samples, 1, 5.0);
+        c.clusters[0].samples.parameters = changed(&c.clusters[0].samples.parameters, 1, 5.0);
     }));
     let duplicate = refused(|c| {
-        let samples = MatrixView::new(&c.clusters[0].samples);
-        let first = changed(&c.clusters[0].samples, 2, samples.get(0, 0));
-        c.clusters[0].samples = changed(&first, 3, samples.get(0, 1));
+        let samples = MatrixView::new(&c.clusters[0].samples.parameters);
+        let first = changed(&c.clusters[0].samples.parameters, 2, samples.get(0, 0));
+        c.clusters[0].samples.parameters = changed(&first, 3, samples.get(0, 1));
     });
     assert_eq!(duplicate, OpenError::DuplicateSample { first: 0, second: 1 });
 }

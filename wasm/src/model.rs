@@ -165,7 +165,7 @@ impl Model {
     pub fn samples(&self) -> Vec<f64> {
         let mut samples: Vec<Vec<f64>> = Vec::new();
         for cluster in &self.shared.core().contents().clusters {
-            let rows = MatrixView::new(&cluster.samples);
+            let rows = MatrixView::new(&cluster.samples.parameters);
             for row in 0..rows.rows() {
                 let sample = (0..rows.columns()).map(|column| rows.get(row, column).into()).collect();
                 if !samples.contains(&sample) {

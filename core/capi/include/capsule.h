@@ -33,7 +33,7 @@
 #define CAPSULE_MOST_NEIGHBOURS 32
 
 // Words of eight bytes in a workspace.
-#define CAPSULE_WORKSPACE_WORDS 3398
+#define CAPSULE_WORKSPACE_WORDS 3407
 
 // Bytes of a workspace.
 #define CAPSULE_WORKSPACE_SIZE (CAPSULE_WORKSPACE_WORDS * 8)
@@ -42,7 +42,7 @@
 #define CAPSULE_WORKSPACE_ALIGNMENT 8
 
 // Words of eight bytes in a model.
-#define CAPSULE_MODEL_WORDS 689
+#define CAPSULE_MODEL_WORDS 713
 
 // Bytes of a model.
 #define CAPSULE_MODEL_SIZE (CAPSULE_MODEL_WORDS * 8)

@@ -14,13 +14,13 @@ pub const MOST_LOCAL_MODES: usize = 16;
 pub const MOST_NEIGHBOURS: usize = 32;
 
 /// Words of eight bytes in a workspace.
-pub const WORKSPACE_WORDS: usize = 3398;
+pub const WORKSPACE_WORDS: usize = 3407;
 /// Bytes of a workspace.
 pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
 /// Alignment of a workspace.
 pub const WORKSPACE_ALIGNMENT: usize = 8;
 /// Words of eight bytes in a model.
-pub const MODEL_WORDS: usize = 689;
+pub const MODEL_WORDS: usize = 713;
 /// Bytes of a model.
 pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
 /// Alignment of a model.

@@ -6,10 +6,10 @@
 //! terms, which leaves sum L = 1 and the first order untouched where the samples do not determine them; and samples
 //! beyond a jump of the solution take no part, because a polynomial through a jump swings on both sides of it.
 
-use super::{Coordinates, Storage, Weights};
+use super::{Coordinates, Search, Storage, Weights};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, part};
-use crate::model::wire::{Matrix, Paper};
+use crate::model::wire::{Paper, Samples};
 use crate::{Parameters, Real};
 
 /// Square root of the ridge on the second-order terms.
@@ -32,7 +32,7 @@ pub(crate) fn weight<T: Real>(d: T) -> T {
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples, rows of parameters, at a query with as many parameters, by diffuse approximation: A p(theta_q)
+    /// Weights of the samples at a query with as many parameters as they have, by diffuse approximation: A p(theta_q)
     /// of eqs. (25) and (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond the border of the
     /// coordinates take no part, nor does `left_out`. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
     ///
@@ -43,19 +43,23 @@ impl<T: Real, const N: usize> Weights<T, N> {
         &mut self,
         settings: &Paper,
         coordinates: &Coordinates<'_>,
-        samples: &Matrix<'_>,
+        samples: &Samples<'_>,
         query: &Parameters<T>,
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<(), EvaluateError> {
         self.degree = SURE_DEGREE;
-        let scaled = Coordinates {
-            scales: settings.scales,
-            limit: None,
-            ..*coordinates
+        let search = Search {
+            dimensions: query.as_slice().len(),
+            points: &samples.parameters,
+            parameters: &samples.parameters,
+            query: query.array(),
+            scales: settings.scales.map(T::from_f64),
+            border: coordinates.border,
+            side: coordinates.side(query.array()),
         };
         let ridge_rows = ridge_rows(query.as_slice().len());
-        self.find(&scaled, samples, query, left_out, N.saturating_sub(ridge_rows));
+        self.find(&search, left_out, N.saturating_sub(ridge_rows));
         let holds = (settings.neighbours as usize).clamp(1, self.count.max(1));
         let radius = T::from_f64(settings.radius) * self.distance(holds);
         let near = |distance: T| distance < radius || distance == T::ZERO;

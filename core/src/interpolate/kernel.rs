@@ -4,11 +4,11 @@
 //! exact reproduction of quadratics. They are found in the null space of the constraints, where the kernel's matrix is positive definite:
 //! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
 
-use super::{Coordinates, Storage, Weights, covariance, minus, square};
+use super::{Coordinates, Search, Storage, Weights, covariance, minus, square};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot_in_order, part, part_mut, symmetric_times};
-use crate::model::wire::{Kernel, Matrix};
-use crate::model::{Curve, MatrixView};
+use crate::model::MatrixView;
+use crate::model::wire::{Kernel, MAX_PARAMETERS, Matrix, Samples};
 use crate::{Parameters, Real};
 
 /// Degree of the tail.
@@ -32,7 +32,7 @@ fn scatter<T: Real>(square: T) -> T {
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples, rows of parameters, at a query with as many parameters, by the quintic kernel. `left_out` is
+    /// Weights of the samples at a query with as many parameters as they have, by the quintic kernel in the coordinates. `left_out` is
     /// a sample that takes no part. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
     ///
     /// Where the nearest samples lie on a surface of second degree, the monomials that they cannot tell
@@ -47,18 +47,26 @@ impl<T: Real, const N: usize> Weights<T, N> {
         &mut self,
         settings: &Kernel,
         coordinates: &Coordinates<'_>,
-        samples: &Matrix<'_>,
+        samples: &Samples<'_>,
         query: &Parameters<T>,
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<(), EvaluateError> {
         let wanted = settings.neighbours as usize;
-        self.find(coordinates, samples, query, left_out, wanted);
-        let crosses = self.count < wanted && coordinates.border.within(query.get(1)).is_some();
+        let mut search = Search {
+            dimensions: query.as_slice().len(),
+            points: &samples.places,
+            parameters: &samples.parameters,
+            query: coordinates.place(query),
+            scales: [T::ONE; MAX_PARAMETERS],
+            border: coordinates.border,
+            side: coordinates.side(query.array()),
+        };
+        self.find(&search, left_out, wanted);
+        let crosses = self.count < wanted && search.side.is_some();
         if crosses {
-            let border = Curve::new(&Matrix::f32(0, 2, &[]));
-            let uncut = Coordinates { border, ..*coordinates };
-            self.find(&uncut, samples, query, left_out, wanted);
+            search.side = None;
+            self.find(&search, left_out, wanted);
         }
         self.degree = DEGREE;
         self.scale(self.distance(self.count))?;
@@ -66,7 +74,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let Storage { columns, matrix } = Storage::<T, N>::new(scratch)?;
         let mut count = self.monomials(columns).len();
         if let Some(column) = columns.get_mut(count).filter(|_| crosses) {
-            self.beyond(coordinates, samples, query, column);
+            self.beyond(coordinates, &samples.parameters, query, column);
             count += 1;
         }
         let qr = Qr::new(n, part_mut(columns, 0..count));

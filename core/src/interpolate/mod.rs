@@ -5,10 +5,11 @@ mod diffuse;
 mod kernel;
 pub(crate) mod neighbours;
 
+use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{MOST_COLUMNS, part, part_mut};
+use crate::model::Curve;
 use crate::model::wire::{MAX_PARAMETERS, Matrix};
-use crate::{Parameters, Real};
 pub use coordinates::Coordinates;
 pub(crate) use diffuse::{ridge_rows, weight};
 use neighbours::Nearest;
@@ -36,6 +37,51 @@ pub struct Weights<T, const N: usize> {
     variance: T,
 }
 
+/// Which samples are looked for.
+struct Search<'s, 'a, T> {
+    dimensions: usize,
+    /// Rows of coordinates, by rising last one, and of parameters.
+    points: &'s Matrix<'a>,
+    parameters: &'s Matrix<'a>,
+    /// The query's coordinates, and what differences from it are multiplied by.
+    query: [T; MAX_PARAMETERS],
+    scales: [T; MAX_PARAMETERS],
+    /// The border, and the query's side of it if it has one.
+    border: Curve<'a>,
+    side: Option<bool>,
+}
+
+fn value<T: Real>(bytes: &[u8; 4]) -> T {
+    T::from_f32(f32::from_le_bytes(*bytes))
+}
+
+impl<T: Real> Search<'_, '_, T> {
+    /// The way from the query to a point.
+    #[inline(always)]
+    fn offset(&self, point: &[[u8; 4]]) -> [T; MAX_PARAMETERS] {
+        let difference = |d: usize, bytes| self.scales[d] * (value::<T>(bytes) - self.query[d]);
+        match point {
+            [a, b] => [difference(0, a), difference(1, b), T::ZERO, T::ZERO],
+            _ => core::array::from_fn(|d| point.get(d).map_or(T::ZERO, |bytes| difference(d, bytes))),
+        }
+    }
+
+    /// Whether the border lies between the query and a sample; `known` is the border at the a/l that was asked for last, for
+    /// samples come in rows of equal a/l.
+    fn apart(&self, sample: usize, known: &mut (T, Option<T>)) -> bool {
+        let (numbers, _) = self.parameters.blob.data.as_chunks::<4>();
+        let (Some(side), Some([first, second])) = (self.side, part(numbers, 2 * sample..2 * sample + 2).as_array())
+        else {
+            return false;
+        };
+        let confinement = value(second);
+        if confinement != known.0 {
+            *known = (confinement, self.border.within(confinement));
+        }
+        known.1.is_some_and(|border| (value::<T>(first) < border) != side)
+    }
+}
+
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Numbers that the computation needs beside the weights: the monomials' columns and the kernel's matrix.
     pub const SCRATCH: usize = (MOST_COLUMNS + N) * N;
@@ -52,67 +98,55 @@ impl<T: Real, const N: usize> Weights<T, N> {
         variance: T::ZERO,
     };
 
-    /// Takes the `wanted` samples nearest to a query, in order of distance, out of samples by rising last parameter.
+    /// Takes the `wanted` samples nearest to a query, in order of distance.
     #[inline(never)]
-    fn find(
-        &mut self,
-        coordinates: &Coordinates<'_>,
-        samples: &Matrix<'_>,
-        query: &Parameters<T>,
-        left_out: Option<usize>,
-        wanted: usize,
-    ) {
-        let dimensions = query.as_slice().len().max(1);
-        let mut around = coordinates.around(query);
+    fn find(&mut self, search: &Search<'_, '_, T>, left_out: Option<usize>, wanted: usize) {
+        let dimensions = search.dimensions.max(1);
         let mut nearest = Nearest::<T, MAX_PARAMETERS, N>::new(wanted);
-        // The number at which a sample's last parameter is, and that parameter.
-        let (numbers, _) = samples.blob.data.as_chunks::<4>();
-        let value = |bytes: &[u8; 4]| T::from_f32(f32::from_le_bytes(*bytes));
-        let last = |sample: usize| (sample + 1) * dimensions - 1;
-        let place = |sample: usize| numbers.get(last(sample)).map_or(T::ZERO, value);
-        let count = numbers.len() / dimensions;
-        let [mut start, mut end] = [0, count];
+        let (numbers, _) = search.points.blob.data.as_chunks::<4>();
+        let last = |values: &[T; MAX_PARAMETERS]| values.get(dimensions - 1).copied().unwrap_or(T::ONE);
+        let (own, scale) = (last(&search.query), last(&search.scales));
+        // The points come by rising last coordinate. From the query's on both ways, the nearer first, until all that follow
+        // are farther in it than all that are kept.
+        let [mut start, mut end] = [0, numbers.len() / dimensions];
         while start < end {
             let middle = (start + end) / 2;
-            [start, end] = if place(middle) < around.last() {
-                [middle + 1, end]
-            } else {
-                [start, middle]
-            };
+            let before = numbers.get((middle + 1) * dimensions - 1).map(value) < Some(own);
+            *(if before { &mut start } else { &mut end }) = if before { middle + 1 } else { middle };
         }
-        // From there on both ways, the nearer first, until all that follow are farther than all that are kept.
-        let (scale, own) = (around.scale(), around.last());
-        let along = |sample: usize| {
-            let difference = scale * (place(sample) - own);
+        let (below, above) = numbers.split_at_checked(start * dimensions).unwrap_or_default();
+        let (mut below, mut above) = (below.rchunks_exact(dimensions), above.chunks_exact(dimensions));
+        let along = |point: Option<&[[u8; 4]]>| {
+            let last = point.and_then(<[_]>::last).map(value::<T>);
+            let difference = last.map_or(T::from_f32(f32::INFINITY), |last| scale * (last - own));
             difference * difference
         };
-        let none = T::from_f32(f32::INFINITY);
-        let (mut above, mut below) = (start, start);
-        let mut next = [above, below.wrapping_sub(1)].map(|sample| if sample < count { along(sample) } else { none });
-        for _ in 0..count {
-            let [up, down] = &mut next;
-            let (sample, distance) = if below == 0 || (above < count && *up <= *down) {
-                let taken = (above, *up);
-                above += 1;
-                *up = if above < count { along(above) } else { none };
-                taken
+        // The next point on either way, down and up, its distance in the last coordinate, and its number.
+        let mut next = [below.next(), above.next()];
+        let mut distances = next.map(along);
+        let mut numbers = [start, start];
+        let mut border = (T::ZERO, search.border.within(T::ZERO));
+        loop {
+            let [down, up] = distances;
+            let (point, distance, number);
+            if up <= down {
+                (point, distance, number) = (next[1], up, numbers[1]);
+                next[1] = above.next();
+                distances[1] = along(next[1]);
+                numbers[1] += 1;
             } else {
-                below -= 1;
-                let taken = (below, *down);
-                *down = if below > 0 { along(below - 1) } else { none };
-                taken
-            };
-            if distance >= nearest.limit() {
+                numbers[0] = numbers[0].wrapping_sub(1);
+                (point, distance, number) = (next[0], down, numbers[0]);
+                next[0] = below.next();
+                distances[0] = along(next[0]);
+            }
+            let (true, Some(point)) = (distance < nearest.limit(), point) else {
                 break;
-            }
-            if Some(sample) == left_out {
-                continue;
-            }
-            let stored = part(numbers, sample * dimensions..(sample + 1) * dimensions);
-            let parameter = |d: usize| stored.get(d).map_or(T::ZERO, value);
-            let parameters = [parameter(0), parameter(1), parameter(2), parameter(3)];
-            if let Some((square, offset)) = around.offset(parameters, nearest.limit()) {
-                nearest.offer(sample, square, offset);
+            };
+            let offset = search.offset(point);
+            let square = square(offset);
+            if square < nearest.limit() && Some(number) != left_out && !search.apart(number, &mut border) {
+                nearest.offer(number, square, offset);
             }
         }
         self.dimensions = dimensions;
@@ -280,8 +314,9 @@ fn times<T: Real>(a: [T; MAX_PARAMETERS], b: [T; MAX_PARAMETERS]) -> [T; MAX_PAR
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Parameters;
     use crate::model::Curve;
-    use crate::model::wire::{Blob, Kernel, Paper};
+    use crate::model::wire::{Blob, Kernel, Paper, Samples};
 
     const N: usize = 32;
     const KERNEL: Kernel = Kernel {
@@ -326,6 +361,14 @@ mod tests {
         }
     }
 
+    /// The places of samples.
+    fn places<const R: usize>(coordinates: &Coordinates<'_>, samples: [[f32; 2]; R]) -> [[[u8; 4]; 2]; R] {
+        bytes(samples.map(|sample| {
+            let [x, y, ..] = coordinates.place(&Parameters::from(sample));
+            [x, y]
+        }))
+    }
+
     fn weights<T: Real>(kernel: bool, rows: usize, query: [f64; 2], left_out: Option<usize>) -> Weights<T, N> {
         weights_beside(&Matrix::f32(0, 2, &[]), kernel, rows, query, left_out)
     }
@@ -341,11 +384,16 @@ mod tests {
         let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
         let coordinates = channel(&matrix(&limit), border);
         let query = Parameters::from(query.map(T::from_f64));
-        let grid = bytes::<200>(core::array::from_fn(grid));
-        let samples = Matrix {
+        let grid: [_; 200] = core::array::from_fn(grid);
+        let (places, grid) = (places(&coordinates, grid), bytes(grid));
+        let part = |bytes| Matrix {
             rows: 20 * rows as u32,
-            blob: Blob::new(&grid.as_flattened().as_flattened()[..8 * 20 * rows]),
-            ..matrix(&grid)
+            blob: Blob::new(&matrix(bytes).blob.data[..8 * 20 * rows]),
+            ..matrix(bytes)
+        };
+        let samples = Samples {
+            parameters: part(&grid),
+            places: part(&places),
         };
         let (mut weights, mut scratch) = (Weights::EMPTY, [T::ZERO; 64 * 64]);
         let done = if kernel {
@@ -366,19 +414,41 @@ mod tests {
             .sum()
     }
 
+    /// sum_j L_j f(x_j) with the coordinates x_j as they are stored, in singles.
+    fn interpolate_places<T: Real>(weights: &Weights<T, N>, f: impl Fn([f64; 2]) -> f64) -> f64 {
+        let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
+        let none = Matrix::f32(0, 2, &[]);
+        let places = places(
+            &channel(&matrix(&limit), &none),
+            core::array::from_fn::<_, 200, _>(grid),
+        );
+        let value = |sample: usize| f(places[sample].map(|bytes| f32::from_le_bytes(bytes).into()));
+        weights
+            .iter()
+            .map(|(sample, weight)| weight.to_f64() * value(sample))
+            .sum()
+    }
+
+    /// The coordinates of the channel, with the steady limit as it is stored.
+    fn place([ca, confinement]: [f64; 2]) -> [f64; 2] {
+        let stored = bytes([[0.5, 0.2], [1.25, 0.05]]);
+        let none = Matrix::f32(0, 2, &[]);
+        let [x, y, ..] = channel(&matrix(&stored), &none).place(&Parameters::from([ca, confinement]));
+        let stretched = ca / limit(confinement).sqrt().sqrt();
+        assert!((x - KERNEL.scales[0] * stretched.sqrt()).abs() < 1e-7 && y == KERNEL.scales[1] * confinement);
+        [x, y]
+    }
+
     const QUERIES: [[f64; 2]; 5] = [[0.105, 0.925], [0.012, 0.751], [0.2, 1.2], [0.111, 1.013], [0.03, 0.95]];
 
     #[test]
     fn both_reproduce_quadratics_in_their_coordinates() {
         for query in QUERIES {
-            let root = |[ca, y]: [f64; 2]| {
-                let x = (ca / limit(y).sqrt().sqrt()).sqrt();
-                1.0 + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
-            };
-            let found = interpolate(&weights::<f64>(true, 10, query, None), root);
-            assert!((found - root(query)).abs() < 1e-12, "{query:?}");
-            let found = interpolate(&weights::<f32>(true, 10, query, None), root);
-            assert!((found - root(query)).abs() < 5e-6, "{query:?} {found}");
+            let root = |[x, y]: [f64; 2]| 1.0 + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y;
+            let found = interpolate_places(&weights::<f64>(true, 10, query, None), root);
+            assert!((found - root(place(query))).abs() < 1e-12, "{query:?}");
+            let found = interpolate_places(&weights::<f32>(true, 10, query, None), root);
+            assert!((found - root(place(query))).abs() < 5e-6, "{query:?} {found}");
             // Five rows of a/l are within reach at the finer spacing of the first query only.
             let plain = |[x, y]: [f64; 2]| 1.0 + 3.0 * x - 2.0 * y + 50.0 * x * x - 4.0 * x * y;
             let found = interpolate(&weights::<f64>(false, 10, query, None), plain);
@@ -431,10 +501,15 @@ mod tests {
         fn weights<T: Real>(query: [f64; 2]) -> Weights<T, N> {
             let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
             let coordinates = channel(&matrix(&limit), &Matrix::f32(0, 2, &[]));
-            let samples = bytes::<600>(core::array::from_fn(dense));
+            let samples: [_; 600] = core::array::from_fn(dense);
+            let (places, samples) = (places(&coordinates, samples), bytes(samples));
+            let samples = Samples {
+                parameters: matrix(&samples),
+                places: matrix(&places),
+            };
             let query = Parameters::from(query.map(T::from_f64));
             let (mut weights, mut scratch) = (Weights::EMPTY, [T::ZERO; 64 * 64]);
-            let done = weights.kernel(&KERNEL, &coordinates, &matrix(&samples), &query, None, &mut scratch);
+            let done = weights.kernel(&KERNEL, &coordinates, &samples, &query, None, &mut scratch);
             done.unwrap();
             weights
         }
@@ -507,9 +582,9 @@ mod tests {
         let bytes = bytes([[0.7, 0.045], [0.93, 0.045]]);
         let border = matrix(&bytes);
         for query in [[0.013, 0.76], [0.04, 0.83], [0.043, 0.9]] {
-            let value = |[ca, y]: [f64; 2]| {
-                let x = (ca / limit(y).sqrt().sqrt()).sqrt();
-                let jump = if ca < 0.045 { 3.0 } else { 0.0 };
+            let value = |[x, y]: [f64; 2]| {
+                let [border, _] = place([0.045, y]);
+                let jump = if x < border { 3.0 } else { 0.0 };
                 jump + 3.0 * x - 2.0 * y + 0.5 * x * x - 4.0 * x * y + y * y
             };
             let weights = weights_beside::<f64>(&border, true, 4, query, None);
@@ -518,9 +593,16 @@ mod tests {
                     .iter()
                     .any(|(sample, weight)| grid(sample)[0] > 0.045 && weight.abs() > 1e-3)
             );
-            assert!((interpolate(&weights, value) - value(query)).abs() < 1e-12, "{query:?}");
+            let expected = value(place(query));
+            assert!(
+                (interpolate_places(&weights, value) - expected).abs() < 1e-12,
+                "{query:?}"
+            );
             let single = weights_beside::<f32>(&border, true, 4, query, None);
-            assert!((interpolate(&single, value) - value(query)).abs() < 1e-5, "{query:?}");
+            assert!(
+                (interpolate_places(&single, value) - expected).abs() < 1e-5,
+                "{query:?}"
+            );
             assert!((weights.variance - weights.quadratic_form()).abs() < 1e-9);
         }
     }

@@ -14,7 +14,3 @@ pub(crate) fn in_vectors<R>(work: impl FnOnce() -> R) -> R {
 pub(crate) fn in_vectors<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
-
-/// Whether products take two panels side by side: a sum waits for the one before, and a processor that can do several additions
-/// at a time does those of the other panel meanwhile. Elsewhere the eight sums of one panel are enough.
-pub(crate) const IN_PAIRS: bool = cfg!(target_arch = "x86_64");

@@ -2,9 +2,7 @@
 
 use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{
-    IN_PAIRS, LANES, add_by, add_panel, add_panels, add_whole_panels, in_vectors, part, part_mut, whole_panel,
-};
+use crate::linalg::{Block, IN_PAIRS, LANES, add_by, part, part_mut};
 use core::ops::Range;
 
 /// A stored matrix; the bytes need not be aligned.
@@ -19,35 +17,42 @@ pub struct MatrixView<'a> {
 #[derive(Clone, Copy, Debug)]
 enum Entries<'a> {
     Singles(&'a [[u8; 4]]),
-    Rows(Integers<'a>),
     Panels(Integers<'a>),
+    Transposed(Integers<'a>),
 }
 
-/// Rows, or panels, of `coarse` columns of two bytes and then of one.
+/// Panels of `coarse` columns of two digits and then of columns of one, or of their transpose.
 #[derive(Clone, Copy, Debug)]
 struct Integers<'a> {
     coarse: usize,
     bytes: &'a [u8],
 }
 
+/// What the first of two digits counts.
+const BASE: f32 = 256.0;
+
 impl<'a> Integers<'a> {
-    /// Row number `row` of `columns`.
-    fn row(&self, row: usize, columns: usize) -> (&'a [[u8; 2]], &'a [u8]) {
-        let (shorts, small) = self.split(row, columns + self.coarse, 2 * self.coarse);
-        (shorts.as_chunks().0, small)
+    /// Panel number `number` of the transpose, which has as many columns as the matrix has `rows`.
+    fn across(&self, number: usize, rows: usize) -> &'a [Block] {
+        self.blocks(number, rows.div_ceil(2))
     }
 
     /// Panel number `panel` of `columns`.
-    fn panel(&self, panel: usize, columns: usize) -> (&'a [[[u8; 2]; LANES]], &'a [[u8; LANES]]) {
-        let length = LANES * (columns + self.coarse);
-        let (shorts, small) = self.split(panel, length, 2 * LANES * self.coarse);
-        (shorts.as_chunks().0.as_chunks().0, small.as_chunks().0)
+    fn panel(&self, panel: usize, columns: usize) -> &'a [Block] {
+        self.blocks(panel, self.pairs(columns))
     }
 
-    /// Part number `number` of the bytes, all of this length, in two.
-    fn split(&self, number: usize, length: usize, middle: usize) -> (&'a [u8], &'a [u8]) {
-        let part = part(self.bytes, number * length..(number + 1) * length);
-        part.split_at_checked(middle).unwrap_or_default()
+    /// Panel number `number` of panels of `count` blocks.
+    fn blocks(&self, number: usize, count: usize) -> &'a [Block] {
+        let length = size_of::<Block>() * count;
+        let bytes = part(self.bytes, number * length..(number + 1) * length);
+        bytes.as_chunks().0.as_chunks().0
+    }
+
+    /// How many pairs so many leading columns are: one of two digits is one.
+    fn pairs(&self, columns: usize) -> usize {
+        let coarse = columns.min(self.coarse);
+        coarse + (columns - coarse).div_ceil(2)
     }
 }
 
@@ -79,59 +84,107 @@ impl Units<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct Vectors<T: Real, const K: usize, const B: usize = 1> {
     pub(crate) values: [[T; B]; K],
-    /// Those that meet entries of one byte, as multiples of a unit without a fraction.
-    wholes: [[T::Whole; B]; K],
+    /// What they are in units without a fraction: a pair for every two columns of one digit, or for one column of two.
+    pairs: [[T::Pair; B]; K],
     units: [T; B],
+    /// How many values and how many pairs are ready.
+    counts: [usize; 2],
 }
 
-/// The leading entries of vectors that are ready for products.
+/// Vectors that are ready for products.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Factors<'s, T: Real, const B: usize = 1> {
     values: &'s [[T; B]],
-    wholes: &'s [[T::Whole; B]],
+    pairs: &'s [[T::Pair; B]],
     units: [T; B],
 }
 
 impl<T: Real, const K: usize, const B: usize> Vectors<T, K, B> {
     pub(crate) const ZERO: Self = Self {
         values: [[T::ZERO; B]; K],
-        wholes: [[T::NO_WHOLE; B]; K],
+        pairs: [[T::NO_PAIR; B]; K],
         units: [T::ZERO; B],
+        counts: [0; 2],
     };
 
-    /// Makes the leading entries ready for products with a matrix: takes the units of its columns into them, and says those
-    /// that meet entries of one byte in wholes. Where one is not finite, no product will be a number.
+    /// Makes the leading entries ready for products with a matrix: takes the units of its columns into them, and says them in
+    /// wholes. Where one is not finite, no product will be a number.
     pub(crate) fn ready(&mut self, matrix: &MatrixView<'_>, count: usize) {
         let values = part_mut(&mut self.values, 0..count);
-        for (column, values) in values.iter_mut().enumerate() {
-            if let Some(unit) = matrix.units.of_column(column) {
-                values.iter_mut().for_each(|value| *value *= T::from_f32(unit));
+        self.counts = [values.len(), 0];
+        if let Units::OfColumns(units) = matrix.units {
+            for (values, unit) in values.iter_mut().zip(units) {
+                let unit = T::from_f32(f32::from_le_bytes(*unit));
+                values.iter_mut().for_each(|value| *value *= unit);
             }
         }
-        let coarse = matrix.coarse();
+        let Entries::Panels(integers) = matrix.entries else {
+            return;
+        };
+        let base = T::from_f32(BASE);
+        let (coarse, fine) = values.split_at(integers.coarse.min(values.len()));
         for (b, unit) in self.units.iter_mut().enumerate() {
-            let fine = values.iter().zip(&mut self.wholes).skip(coarse);
-            let sum = values.iter().skip(coarse).fold(T::ZERO, |sum, x| sum + x[b].abs());
-            let inverse = if sum > T::ZERO {
-                T::GREATEST_WHOLE / sum
-            } else {
-                T::ZERO
-            };
-            for (value, whole) in fine {
-                let multiple = value[b] * inverse;
-                let half = T::from_f32(if multiple < T::ZERO { -0.5 } else { 0.5 });
-                whole[b] = (multiple + half).to_whole();
+            let mut factors = FactorsOf::NONE;
+            coarse.iter().for_each(|x| factors.include(base * x[b]));
+            fine.iter().for_each(|x| factors.include(x[b]));
+            *unit = factors.unit();
+            let scale = factors.scale();
+            let (of_coarse, of_fine) = self.pairs.split_at_mut(coarse.len());
+            for (pair, x) in of_coarse.iter_mut().zip(coarse) {
+                let x = scale * x[b];
+                pair[b] = T::pair(base * x, x);
             }
-            *unit = sum / T::GREATEST_WHOLE;
+            let (twos, last) = fine.as_chunks::<2>();
+            for (pair, [x, y]) in of_fine.iter_mut().zip(twos) {
+                pair[b] = T::pair(scale * x[b], scale * y[b]);
+            }
+            for (pair, x) in of_fine.iter_mut().skip(twos.len()).zip(last) {
+                pair[b] = T::pair(scale * x[b], T::ZERO);
+            }
         }
+        self.counts[1] = integers.pairs(count);
     }
 
-    /// As many leading entries.
-    pub(crate) fn factors(&self, count: usize) -> Factors<'_, T, B> {
+    /// The entries that are ready.
+    pub(crate) fn factors(&self) -> Factors<'_, T, B> {
+        let [values, pairs] = self.counts;
         Factors {
-            values: part(&self.values, 0..count),
-            wholes: part(&self.wholes, 0..count),
+            values: part(&self.values, 0..values),
+            pairs: part(&self.pairs, 0..pairs),
             units: self.units,
+        }
+    }
+}
+
+/// What makes numbers factors of products with digits: multiples of a unit, to the nearest.
+#[derive(Clone, Copy, Debug)]
+struct FactorsOf<T> {
+    greatest: T,
+    sum: T,
+}
+
+impl<T: Real> FactorsOf<T> {
+    const NONE: Self = Self {
+        greatest: T::ZERO,
+        sum: T::ZERO,
+    };
+
+    fn include(&mut self, number: T) {
+        self.greatest = self.greatest.max(number.abs());
+        self.sum += number;
+    }
+
+    /// Not a number if one of the numbers is not finite.
+    fn unit(&self) -> T {
+        self.greatest / T::GREATEST_FACTOR + T::ZERO * self.sum
+    }
+
+    /// What a number is multiplied by.
+    fn scale(&self) -> T {
+        if self.greatest > T::ZERO {
+            T::GREATEST_FACTOR / self.greatest
+        } else {
+            T::ZERO
         }
     }
 }
@@ -153,7 +206,7 @@ impl<'a> MatrixView<'a> {
         };
         let (units, entries) = match matrix.encoding {
             Encoding::F32 => (Units::One, Entries::Singles(data.as_chunks().0)),
-            Encoding::Columns(digits) => (Units::OfColumns(units), Entries::Rows(integers(digits))),
+            Encoding::Columns(digits) => (Units::OfColumns(units), Entries::Transposed(integers(digits))),
             Encoding::ColumnPanels(digits) => (Units::OfColumns(units), Entries::Panels(integers(digits))),
             Encoding::RowPanels(digits) => (Units::OfRows(units), Entries::Panels(integers(digits))),
         };
@@ -190,22 +243,30 @@ impl<'a> MatrixView<'a> {
         if row >= self.rows || column >= self.columns {
             return 0.0;
         }
-        let integer = |shorts: Option<[u8; 2]>, small: Option<u8>| shorts.map(short).or(small.map(self::small));
         let entry = match self.entries {
             Entries::Singles(entries) => entries
                 .get(row * self.columns + column)
                 .copied()
                 .map(f32::from_le_bytes),
-            Entries::Rows(integers) => {
-                let (shorts, small) = integers.row(row, self.columns);
-                let place = column.wrapping_sub(integers.coarse);
-                integer(shorts.get(column).copied(), small.get(place).copied())
+            Entries::Transposed(integers) => {
+                let across = |place: usize| digit(integers.across(place / LANES, self.rows), row, place % LANES);
+                let last = across(column).map(value);
+                if column < integers.coarse {
+                    last.zip(across(self.columns + column))
+                        .map(|(last, first)| BASE * value(first) + last)
+                } else {
+                    last
+                }
             }
             Entries::Panels(integers) => {
-                let (shorts, small) = integers.panel(row / LANES, self.columns);
-                let place = column.wrapping_sub(integers.coarse);
-                let lane = row % LANES;
-                integer(shorts.get(column).map(|c| c[lane]), small.get(place).map(|c| c[lane]))
+                let panel = integers.panel(row / LANES, self.columns);
+                let at = |place| digit(panel, place, row % LANES).map(value);
+                if column < integers.coarse {
+                    let [first, last] = [0, 1].map(|next| at(2 * column + next));
+                    first.zip(last).map(|(first, last)| BASE * first + last)
+                } else {
+                    at(integers.coarse + column)
+                }
             }
         };
         entry.unwrap_or(0.0)
@@ -214,7 +275,7 @@ impl<'a> MatrixView<'a> {
     /// The first entry that does not lie within bounds, by its number and value. Where all that can be said in a unit lies
     /// within them, for every unit, no entry is looked at.
     pub(super) fn outside(&self, min: f32, max: f32) -> Option<(usize, f32)> {
-        let greatest = 32768.0;
+        let greatest = BASE * 128.0 + 128.0;
         let within = |unit: &[u8; 4]| {
             let reach = f32::from_le_bytes(*unit).abs() * greatest;
             min <= -reach && reach <= max
@@ -243,57 +304,46 @@ impl<'a> MatrixView<'a> {
         (0..self.rows).map(move |row| [0, 1].map(|column| T::from_f32(self.get(row, column))))
     }
 
-    /// x <- x times the units of the columns, where they have any.
-    fn scale<T: Real>(&self, x: &mut [T]) {
-        for (column, x) in x.iter_mut().enumerate() {
-            if let Some(unit) = self.units.of_column(column) {
-                *x *= T::from_f32(unit);
-            }
-        }
-    }
-
-    /// How many of the leading columns are multiplied as they are.
-    fn coarse(&self) -> usize {
-        match self.entries {
-            Entries::Panels(integers) => integers.coarse,
-            Entries::Singles(_) | Entries::Rows(_) => self.columns,
-        }
-    }
-
-    /// Row times a vector, over as many columns as the vector has. The bits are those of its [panel](Self::panel).
+    /// Row times a vector. The bits are those of its [panel](Self::panels).
     pub(crate) fn dot<T: Real>(&self, row: usize, x: Factors<'_, T>) -> T {
-        let values = x.values.as_flattened();
-        let sum = match self.entries {
-            Entries::Panels(integers) => {
-                let (shorts, small) = integers.panel(row / LANES, self.columns);
-                let lane = row % LANES;
-                let shorts = shorts.iter().map(|column| short(column[lane])).zip(values);
-                let sum = shorts.fold(T::ZERO, |sum, (entry, x)| sum + T::from_f32(entry) * *x);
-                let wholes = x.wholes.as_flattened().iter().skip(integers.coarse);
-                let small = small.iter().map(|column| column[lane].cast_signed()).zip(wholes);
-                let whole = small.fold(T::NO_WHOLE, |sum, (entry, x)| T::add_product(sum, entry, *x));
-                let [unit] = x.units;
-                sum + unit * T::from_whole(whole)
-            }
-            Entries::Singles(entries) => {
-                let start = row * self.columns;
-                let entries = part(entries, start..start + values.len()).iter().zip(values);
-                entries.fold(T::ZERO, |sum, (entry, x)| {
-                    sum + T::from_f32(f32::from_le_bytes(*entry)) * *x
-                })
-            }
-            Entries::Rows(_) => {
-                let entries = values.iter().enumerate();
-                entries.fold(T::ZERO, |sum, (column, x)| {
-                    sum + T::from_f32(self.entry(row, column)) * *x
-                })
-            }
-        };
-        self.units.of_row(row).map_or(sum, |unit| sum * T::from_f32(unit))
+        if let Entries::Panels(integers) = self.entries {
+            let panel = integers.panel(row / LANES, self.columns);
+            let lane = row % LANES;
+            let [unit] = x.units;
+            let sum = panel.iter().zip(x.pairs).fold(T::NO_WHOLE, |sum, (block, [pair])| {
+                let word = block.get(lane / 2).copied().unwrap_or_default();
+                let [first, second] = T::add_products([sum; 2], word, *pair);
+                if lane.is_multiple_of(2) { first } else { second }
+            });
+            return self.of_row(row, unit * T::from_whole(sum));
+        }
+        self.plain(row, x.values.as_flattened().iter().copied())
     }
 
-    /// products <- the eight rows of each of some panels times some vectors, over as many columns as these have. A panel's bits
-    /// do not depend on the others.
+    /// Row times a vector, entry by entry.
+    fn plain<T: Real>(&self, row: usize, x: impl ExactSizeIterator<Item = T>) -> T {
+        let sum = if let Entries::Singles(entries) = self.entries {
+            let start = row * self.columns;
+            let entries = part(entries, start..start + x.len()).iter().zip(x);
+            entries.fold(T::ZERO, |sum, (entry, x)| {
+                sum + T::from_f32(f32::from_le_bytes(*entry)) * x
+            })
+        } else {
+            x.enumerate().fold(T::ZERO, |sum, (column, x)| {
+                sum + T::from_f32(self.entry(row, column)) * x
+            })
+        };
+        self.of_row(row, sum)
+    }
+
+    /// A product with a row times its unit, if it has one.
+    fn of_row<T: Real>(&self, row: usize, product: T) -> T {
+        self.units
+            .of_row(row)
+            .map_or(product, |unit| product * T::from_f32(unit))
+    }
+
+    /// products <- the eight rows of each of some panels times some vectors. A panel's bits do not depend on the others.
     #[inline(always)]
     pub(crate) fn panels<T: Real, const B: usize, const P: usize>(
         &self,
@@ -301,137 +351,132 @@ impl<'a> MatrixView<'a> {
         x: Factors<'_, T, B>,
         products: &mut [[[T; LANES]; B]; P],
     ) {
-        if let Entries::Panels(integers) = self.entries
-            && IN_PAIRS
-        {
-            self.side_by_side(&integers, panels, x, products);
+        if IN_PAIRS {
+            self.side_by_side(panels, x, products);
         } else {
-            for (panel, products) in panels.iter().zip(products) {
-                self.panel(*panel, x, products);
+            for (panel, products) in panels.iter().zip(products.as_chunks_mut().0) {
+                self.side_by_side::<T, B, 1>([*panel], x, products);
             }
         }
-    }
-
-    #[inline(never)]
-    fn panel<T: Real, const B: usize>(&self, panel: usize, x: Factors<'_, T, B>, products: &mut [[T; LANES]; B]) {
-        if let Entries::Panels(integers) = self.entries {
-            let (shorts, small) = integers.panel(panel, self.columns);
-            let wholes = part(x.wholes, integers.coarse..x.wholes.len());
-            let whole_sums: [_; B] = core::array::from_fn(|b| whole_panel::<T, B>(small, wholes, b));
-            let mut sums = [[T::ZERO; LANES]; B];
-            add_panel(shorts, x.values, |entry| T::from_f32(short(entry)), &mut sums);
-            for (b, products) in products.iter_mut().enumerate() {
-                *products = add_wholes(sums[b], &whole_sums[b], x.units[b]);
-            }
-        } else {
-            *products = [[T::ZERO; LANES]; B];
-            for (column, x) in x.values.iter().enumerate() {
-                let entries = core::array::from_fn(|lane| self.entry(LANES * panel + lane, column));
-                add_panel(&[entries], &[*x], T::from_f32, products);
-            }
-        }
-        self.scale_rows(panel, products);
     }
 
     #[inline(never)]
     fn side_by_side<T: Real, const B: usize, const P: usize>(
         &self,
-        integers: &Integers<'_>,
         panels: [usize; P],
         x: Factors<'_, T, B>,
         products: &mut [[[T; LANES]; B]; P],
     ) {
-        *products = in_vectors(
-            #[inline(always)]
-            || {
-                let mut sums = [[[T::ZERO; LANES]; B]; P];
-                let parts = panels.map(|panel| integers.panel(panel, self.columns));
-                let (shorts, small) = (parts.map(|(shorts, _)| shorts), parts.map(|(_, small)| small));
-                add_panels(shorts, x.values, |entry| T::from_f32(short(entry)), &mut sums);
-                let mut whole_sums = [[[T::NO_WHOLE; LANES]; B]; P];
-                let wholes = part(x.wholes, integers.coarse..x.wholes.len());
-                add_whole_panels::<T, B, P>(small, wholes, &mut whole_sums);
-                for (whole_sums, sums) in whole_sums.iter().zip(&mut sums) {
-                    for ((whole_sums, unit), sums) in whole_sums.iter().zip(x.units).zip(sums) {
-                        *sums = add_wholes(*sums, whole_sums, unit);
+        let Entries::Panels(integers) = self.entries else {
+            for (panel, products) in panels.into_iter().zip(products) {
+                for (b, products) in products.iter_mut().enumerate() {
+                    for (lane, product) in products.iter_mut().enumerate() {
+                        *product = self.plain(LANES * panel + lane, x.values.iter().map(|x| x[b]));
                     }
                 }
-                sums
-            },
-        );
-        for (panel, products) in panels.into_iter().zip(products) {
-            self.scale_rows(panel, products);
-        }
-    }
-
-    /// Products with a panel times the units of its rows, where they have any.
-    #[inline(always)]
-    fn scale_rows<T: Real, const B: usize>(&self, panel: usize, products: &mut [[T; LANES]; B]) {
+            }
+            return;
+        };
+        let blocks = panels.map(|panel| integers.panel(panel, self.columns));
+        T::multiply(blocks, x.pairs, x.units, products);
         if let Units::OfRows(units) = self.units {
-            // Rows beyond the last one are zeros.
-            let units = part(units, LANES * panel..units.len());
-            for products in products {
-                for (product, unit) in products.iter_mut().zip(units) {
-                    *product *= T::from_f32(f32::from_le_bytes(*unit));
+            for (panel, products) in panels.into_iter().zip(products) {
+                // Rows beyond the last one are zeros.
+                let units = part(units, LANES * panel..units.len());
+                for products in products {
+                    for (product, unit) in products.iter_mut().zip(units) {
+                        *product *= T::from_f32(f32::from_le_bytes(*unit));
+                    }
                 }
             }
         }
     }
 
-    /// out <- the sum of rows times factors.
-    pub(crate) fn combine<T: Real>(&self, factors: impl Iterator<Item = (usize, T)>, out: &mut [T]) {
+    /// out <- the sum of some rows times factors; as long as a row.
+    pub(crate) fn combine<T: Real>(&self, rows: &[u16], factors: &[T], out: &mut [T]) {
         out.fill(T::ZERO);
-        for (row, factor) in factors {
-            let factor = self.units.of_row(row).map_or(factor, |unit| factor * T::from_f32(unit));
-            match self.entries {
-                Entries::Singles(entries) => {
-                    let start = row * self.columns;
-                    let entries = part(entries, start..start + out.len());
-                    add_by(out, factor, entries, |entry| T::from_f32(f32::from_le_bytes(entry)));
+        match self.entries {
+            Entries::Transposed(integers) => {
+                for (rows, factors) in rows.chunks(SOME).zip(factors.chunks(SOME)) {
+                    self.add_rows(&integers, rows, factors, out);
                 }
-                Entries::Rows(integers) => {
-                    let (shorts, small) = integers.row(row, self.columns);
-                    let (leading, trailing) = out.split_at_mut(integers.coarse.min(out.len()));
-                    add_by(leading, factor, shorts, |entry| T::from_f32(short(entry)));
-                    add_by(trailing, factor, small, |entry| T::from_f32(self::small(entry)));
+            }
+            Entries::Singles(entries) => {
+                for (row, factor) in rows.iter().map(|row| usize::from(*row)).zip(factors) {
+                    let entries = part(entries, row * self.columns..(row + 1) * self.columns);
+                    add_by(out, *factor, entries, |entry| T::from_f32(f32::from_le_bytes(entry)));
                 }
-                Entries::Panels(_) => {
+            }
+            Entries::Panels(_) => {
+                for (row, factor) in rows.iter().map(|row| usize::from(*row)).zip(factors) {
+                    let factor = self.of_row(row, *factor);
                     for (column, out) in out.iter_mut().enumerate() {
                         *out += factor * T::from_f32(self.entry(row, column));
                     }
                 }
             }
         }
-        self.scale(out);
+        if let Units::OfColumns(units) = self.units {
+            for (out, unit) in out.iter_mut().zip(units) {
+                *out *= T::from_f32(f32::from_le_bytes(*unit));
+            }
+        }
+    }
+
+    /// out <- out + the sum of at most [`SOME`] rows times factors, in the units of the columns.
+    fn add_rows<T: Real>(&self, integers: &Integers<'_>, rows: &[u16], factors: &[T], out: &mut [T]) {
+        let mut all = FactorsOf::NONE;
+        factors.iter().for_each(|factor| all.include(*factor));
+        let (unit, scale) = (all.unit(), all.scale());
+        // The blocks of two rows that take part, and the factors of both.
+        let mut places = [(0, [T::ZERO; 2]); SOME];
+        let mut count = 0;
+        for (row, factor) in rows.iter().map(|row| usize::from(*row)).zip(factors) {
+            let known = part(&places, 0..count).iter().position(|(place, _)| *place == row / 2);
+            if let Some((place, factors)) = places.get_mut(known.unwrap_or(count)) {
+                *place = row / 2;
+                factors[row % 2] = scale * *factor;
+                count += usize::from(known.is_none());
+            }
+        }
+        let places = part(&places, 0..count);
+        let mut pairs = [[T::NO_PAIR]; SOME];
+        for (pair, (_, [first, second])) in pairs.iter_mut().zip(places) {
+            *pair = [T::pair(*first, *second)];
+        }
+        let mut blocks = [Block::default(); SOME];
+        for first in (0..self.columns + integers.coarse).step_by(LANES) {
+            let panel = integers.across(first / LANES, self.rows);
+            for (block, (place, _)) in blocks.iter_mut().zip(places) {
+                // Word by word: what moves bytes is called, and takes longer.
+                if let Some([a, b, c, d]) = panel.get(*place) {
+                    *block = [*a, *b, *c, *d];
+                }
+            }
+            let mut sums = [[[T::ZERO; LANES]; 1]];
+            T::multiply([part(&blocks, 0..count)], &pairs, [unit], &mut sums);
+            for (place, sum) in (first..).zip(sums.as_flattened().as_flattened()) {
+                if let Some(out) = out.get_mut(place) {
+                    *out += *sum;
+                } else if let Some(out) = out.get_mut(place.wrapping_sub(self.columns)) {
+                    *out += T::from_f32(BASE) * *sum;
+                }
+            }
+        }
     }
 }
 
-/// lanes + a unit times sums of wholes. Written out, for the reason of the products' columns.
-#[inline(always)]
-fn add_wholes<T: Real>(
-    [l0, l1, l2, l3, l4, l5, l6, l7]: [T; LANES],
-    [w0, w1, w2, w3, w4, w5, w6, w7]: &[T::Whole; LANES],
-    unit: T,
-) -> [T; LANES] {
-    let add = |lane: T, whole: &T::Whole| lane + unit * T::from_whole(*whole);
-    [
-        add(l0, w0),
-        add(l1, w1),
-        add(l2, w2),
-        add(l3, w3),
-        add(l4, w4),
-        add(l5, w5),
-        add(l6, w6),
-        add(l7, w7),
-    ]
+/// Rows that are combined at a time.
+const SOME: usize = 16;
+
+fn value(digit: u8) -> f32 {
+    digit.cast_signed().into()
 }
 
-fn short(bytes: [u8; 2]) -> f32 {
-    i16::from_le_bytes(bytes).into()
-}
-
-fn small(byte: u8) -> f32 {
-    byte.cast_signed().into()
+/// The digit at a place of a panel's row: the even places are the first of a block's two.
+fn digit(panel: &[Block], place: usize, lane: usize) -> Option<u8> {
+    let word = panel.get(place / 2)?.get(lane / 2)?;
+    word.get(2 * (place % 2) + lane % 2).copied()
 }
 
 /// A stored list of node indices.
@@ -485,13 +530,26 @@ mod tests {
         Encoding::RowPanels(DIGITS),
     ];
 
-    /// An integer of two bytes in the first two columns, of one in the others.
-    fn integer(row: usize, column: usize) -> i16 {
-        let any = (row * 7919 + column * 104_729 + 13) % 65_521;
+    /// An integer of two digits in the first two columns, of one in the others.
+    fn integer(row: usize, column: usize) -> i32 {
+        let any = (row * 7919 + column * 104_729 + 13) as i32;
         if column < 2 {
-            (any as i32 - 32_760) as i16
+            any % 65_279 - 32_639
         } else {
-            (any % 256) as i16 - 128
+            any % 256 - 128
+        }
+    }
+
+    /// A digit of an integer.
+    fn digit_of(row: usize, column: usize, first: bool) -> u8 {
+        if row >= ROWS || column >= COLUMNS {
+            return 0;
+        }
+        let last = integer(row, column) as i8;
+        if first {
+            ((integer(row, column) - i32::from(last)) / 256) as u8
+        } else {
+            last as u8
         }
     }
 
@@ -502,19 +560,42 @@ mod tests {
     /// The matrix in an encoding, and its entries.
     fn stored(encoding: Encoding) -> (Vec<u8>, [[f64; COLUMNS]; ROWS]) {
         let of_rows = matches!(encoding, Encoding::RowPanels(_));
-        let height = if matches!(encoding, Encoding::Columns(_)) {
-            1
-        } else {
-            LANES
-        };
         let units = 0..if of_rows { ROWS } else { COLUMNS };
         let mut bytes: Vec<u8> = units.flat_map(|i| unit(i).to_le_bytes()).collect();
-        for first in (0..ROWS).step_by(height) {
-            for column in 0..COLUMNS {
-                for row in first..first + height {
-                    let entry = if row < ROWS { integer(row, column) } else { 0 };
-                    let width = if column < 2 { 2 } else { 1 };
-                    bytes.extend(&entry.to_le_bytes()[..width]);
+        // Column and whether it is the first digit of two, as they follow each other.
+        let digits = [
+            (0, true),
+            (0, false),
+            (1, true),
+            (1, false),
+            (2, false),
+            (3, false),
+            (4, false),
+            (5, false),
+        ];
+        if matches!(encoding, Encoding::Columns(_)) {
+            for row in (0..ROWS).step_by(2) {
+                // The last digits of all columns, then the first ones.
+                let places: Vec<usize> = (0..COLUMNS).chain([COLUMNS, COLUMNS + 1, COLUMNS + 2]).collect();
+                for two in places.chunks(2) {
+                    for row in [row, row + 1] {
+                        let digit = |place: &usize| match place.checked_sub(COLUMNS) {
+                            Some(2) => 0,
+                            Some(coarse) => digit_of(row, coarse, true),
+                            None => digit_of(row, *place, false),
+                        };
+                        bytes.extend(two.iter().map(digit));
+                    }
+                }
+            }
+        } else {
+            for first in (0..ROWS).step_by(LANES) {
+                for pair in digits.chunks(2) {
+                    for row in (first..first + LANES).step_by(2) {
+                        for (column, first) in pair {
+                            bytes.extend([row, row + 1].map(|row| digit_of(row, *column, *first)));
+                        }
+                    }
                 }
             }
         }
@@ -545,7 +626,7 @@ mod tests {
                 };
                 let interleaved = vectors(plain.each_ref().map(Vec::as_slice));
                 let mut together = [[[0.0; LANES]; 3]; 2];
-                view.panels([0, 1], interleaved.factors(columns), &mut together);
+                view.panels([0, 1], interleaved.factors(), &mut together);
                 for (panel, together) in together.iter().enumerate() {
                     for lane in 0..LANES {
                         let row = LANES * panel + lane;
@@ -557,20 +638,20 @@ mod tests {
                             single.values.as_flattened_mut()[..columns].copy_from_slice(&plain[b]);
                             single.ready(&view, columns);
                             let mut products = [[[0.0; LANES]; 1]];
-                            view.panels([panel], single.factors(columns), &mut products);
+                            view.panels([panel], single.factors(), &mut products);
                             let [[alone]] = products;
                             assert!((together[b][lane] - exact).abs() <= 1e-9, "{encoding:?} {row}");
-                            let dot = view.dot(row, single.factors(columns));
+                            let dot = view.dot(row, single.factors());
                             assert_eq!([alone[lane], dot], [together[b][lane]; 2]);
                         }
                     }
                 }
-                let mut sum = std::vec![0.0_f64; columns];
-                view.combine([(0, 2.0), (9, -1.0)].into_iter(), &mut sum);
-                for (column, sum) in sum.iter().enumerate() {
-                    let exact = 2.0 * entries[0][column] - entries[9][column];
-                    assert!((sum - exact).abs() < 1e-9, "{encoding:?} {column}");
-                }
+            }
+            let mut sum = [0.0_f64; COLUMNS];
+            view.combine(&[0, 9], &[2.0, -1.0], &mut sum);
+            for (column, sum) in sum.iter().enumerate() {
+                let exact = 2.0 * entries[0][column] - entries[9][column];
+                assert!((sum - exact).abs() < 1e-9, "{encoding:?} {column}: {sum} {exact}");
             }
             for row in 0..ROWS + 6 {
                 for column in 0..COLUMNS + 1 {
@@ -583,27 +664,28 @@ mod tests {
 
     #[test]
     fn wholes_lose_half_a_unit_each_at_most_and_no_sum_overflows() {
-        // The greatest entries there are, along and against factors that are far apart.
-        const MOST: usize = 96;
+        // The greatest entries there are, along and against factors that are far apart, as many as fit.
+        const MOST: usize = 256;
         for entry in [i8::MIN, i8::MAX] {
             let mut bytes: Vec<u8> = (0..MOST).flat_map(|_| 1.0_f32.to_le_bytes()).collect();
-            bytes.extend(core::iter::repeat_n(entry as u8, MOST * LANES));
-            let encoding = Encoding::ColumnPanels(Digits { coarse: 0 });
+            bytes.extend(core::iter::repeat_n(entry as u8, 2 * MOST * LANES));
+            let encoding = Encoding::ColumnPanels(Digits { coarse: MOST as u16 });
+            let entry = 257.0 * f64::from(entry);
             let view = MatrixView::new(&Matrix::new(LANES as u32, MOST as u32, encoding, &bytes));
             for sign in [1.0_f32, -1.0] {
                 let mut x = Vectors::<f32, MOST>::ZERO;
-                let factor = |k: usize| sign.powi(k as i32) * 3.0 * 0.9_f32.powi(k as i32);
+                let factor = |k: usize| sign.powi(k as i32) * 3.0 * 0.999_f32.powi(k as i32);
                 (0..MOST).for_each(|k| x.values[k][0] = factor(k));
                 x.ready(&view, MOST);
                 let sum = |size: &dyn Fn(f64) -> f64| (0..MOST).map(|k| size(factor(k).into())).sum::<f64>();
-                let exact = f64::from(entry) * sum(&|x| x);
-                let found = f64::from(view.dot(0, x.factors(MOST)));
-                let greatest = 128.0 * sum(&f64::abs);
-                let unit = greatest / f64::from(f32::GREATEST_WHOLE);
-                let rounding = 4.0 * f64::from(f32::EPSILON) * greatest;
+                let exact = entry * sum(&|x| x);
+                let found = f64::from(view.dot(0, x.factors()));
+                // Of either digit's factor, times the digit.
+                let unit = 256.0 * 3.0 / f64::from(f32::GREATEST_FACTOR);
+                let rounding = 4.0 * f64::from(f32::EPSILON) * entry.abs() * sum(&f64::abs);
                 let error = (found - exact).abs();
                 assert!(
-                    error < 0.5 * MOST as f64 * unit + rounding,
+                    error < 0.5 * 2.0 * MOST as f64 * 128.0 * unit + rounding,
                     "{entry} {sign}: {found} {exact}"
                 );
             }
@@ -619,7 +701,7 @@ mod tests {
                 let mut x = Vectors::<f32, COLUMNS>::ZERO;
                 x.values[column][0] = value;
                 x.ready(&view, COLUMNS);
-                assert!(!view.dot(1, x.factors(COLUMNS)).is_finite(), "{value} {column}");
+                assert!(!view.dot(1, x.factors()).is_finite(), "{value} {column}");
             }
         }
     }

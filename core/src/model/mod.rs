@@ -33,7 +33,7 @@ pub const MIDPLANE: &str = "midplane";
 pub const DIAGONAL: &str = "diagonal";
 
 const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 const HEADER_LENGTH: usize = 16;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 

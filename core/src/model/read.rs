@@ -4,7 +4,7 @@
 
 use super::wire::{
     Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Kernel, Matrix, Mesh, Metadata, Method, NodeSet, Paper,
-    Parameter, Reference, Span, Units,
+    Parameter, Reference, Samples, Span, Units,
 };
 use heapless::Vec;
 
@@ -50,6 +50,7 @@ parts! {
     Cluster<'a> {
         min, max, samples, field, direct_errors, paper_errors
     }
+    Samples<'a> { parameters, places }
     Field<'a> { modes, knots, spans, axial_controls, axial_modes }
     Span<'a> { parameter_modes, slices, core }
     Errors<'a> { left_out, deviation, bound_factors, floor }

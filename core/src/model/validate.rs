@@ -1,7 +1,7 @@
 //! The checks of [`Model::open`](super::Model::open): dimensions, indices, ranges, finiteness.
 
 use super::matrix::{Indices, MatrixView};
-use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Matrix, Mesh, NodeSet, Reference, Span};
+use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Matrix, Mesh, NodeSet, Reference, Samples, Span};
 use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 use crate::linalg::LANES;
@@ -130,7 +130,7 @@ impl Judge {
             reached = cluster.max;
             self.samples(&cluster.samples, parameters, least as f32);
             self.field(cluster, contents.mesh.sector_reference.rows as usize, end_time);
-            let (samples, instants) = (cluster.samples.rows as usize, error_times.rows());
+            let (samples, instants) = (cluster.samples.parameters.rows as usize, error_times.rows());
             self.errors(&cluster.direct_errors, samples, instants);
             self.errors(&cluster.paper_errors, samples, instants);
         }
@@ -208,11 +208,14 @@ impl Judge {
         }
     }
 
-    fn samples(&mut self, stored: &Matrix<'_>, parameters: usize, least: f32) {
+    fn samples(&mut self, samples: &Samples<'_>, parameters: usize, least: f32) {
+        let (stored, places) = (&samples.parameters, &samples.places);
         let rows = stored.rows as usize;
         self.count("samples", rows.clamp(1, MOST_SAMPLES), rows);
         let samples = self.matrix("samples", stored, [rows, parameters], [least, LARGEST]);
         self.singles("samples", stored);
+        self.matrix("places of the samples", places, [rows, parameters], ANY);
+        self.singles("places of the samples", places);
         let last = parameters.saturating_sub(1);
         let place = |sample| samples.get(sample, last);
         for second in 1..samples.rows() {
@@ -249,7 +252,7 @@ impl Judge {
     }
 
     fn field(&mut self, cluster: &Cluster<'_>, nodes: usize, end_time: f32) {
-        let (field, samples) = (&cluster.field, cluster.samples.rows as usize);
+        let (field, samples) = (&cluster.field, cluster.samples.parameters.rows as usize);
         let columns = |matrix: &Matrix<'_>| matrix.columns as usize;
         let (modes, axial) = (columns(&field.modes), columns(&field.axial_controls));
         self.matrix("modes", &field.modes, [panelled(nodes).saturating_mul(3), modes], ANY);
@@ -396,24 +399,22 @@ impl Judge {
             let expected = columns;
             self.refuse(OpenError::Columns { what, expected, found });
         }
-        let (stored, units, coarse) = match matrix.encoding {
-            Encoding::F32 => (rows, 0, None),
-            Encoding::Columns(Digits { coarse }) => (rows, columns, Some(coarse)),
-            Encoding::ColumnPanels(Digits { coarse }) => (panelled(rows), columns, Some(coarse)),
-            Encoding::RowPanels(Digits { coarse }) => (panelled(rows), rows, Some(coarse)),
+        let (units, coarse) = match matrix.encoding {
+            Encoding::F32 => (0, 0),
+            Encoding::Columns(Digits { coarse }) | Encoding::ColumnPanels(Digits { coarse }) => (columns, coarse),
+            Encoding::RowPanels(Digits { coarse }) => (rows, coarse),
         };
-        let row = match coarse.map(usize::from) {
-            None => columns.saturating_mul(4),
-            Some(coarse) => {
-                self.index(what, 0, coarse, columns.saturating_add(1));
-                columns.saturating_add(coarse)
+        let coarse = usize::from(coarse);
+        self.index(what, 0, coarse, columns.saturating_add(1));
+        let bytes = match matrix.encoding {
+            Encoding::F32 => columns.saturating_mul(4).saturating_mul(rows),
+            Encoding::Columns(_) => blocks(columns.saturating_add(coarse), rows.div_ceil(2)),
+            Encoding::ColumnPanels(_) | Encoding::RowPanels(_) => {
+                let pairs = columns.saturating_sub(coarse).div_ceil(2);
+                blocks(rows, coarse.saturating_add(pairs))
             }
         };
-        self.length(
-            what,
-            &matrix.blob,
-            stored.saturating_mul(row).saturating_add(units.saturating_mul(4)),
-        );
+        self.length(what, &matrix.blob, bytes.saturating_add(units.saturating_mul(4)));
         if self.found.is_err() {
             return MatrixView::new(&Matrix::f32(0, columns as u32, &[]));
         }
@@ -449,6 +450,11 @@ impl Judge {
         }
         view
     }
+}
+
+/// Bytes of panels of so many rows and blocks.
+fn blocks(rows: usize, count: usize) -> usize {
+    rows.div_ceil(LANES).saturating_mul(count).saturating_mul(2 * LANES)
 }
 
 /// So many rows in whole panels.

@@ -153,15 +153,25 @@ pub struct Cluster<'a> {
     pub min: f64,
     /// Its greatest value.
     pub max: f64,
-    /// Samples `[N_c, P]`: rows of parameters, all different, by rising last parameter.
+    /// Samples, by rising last parameter.
     #[serde(borrow)]
-    pub samples: Matrix<'a>,
+    pub samples: Samples<'a>,
     /// Displacement and velocity.
     pub field: Field<'a>,
     /// Leave-one-out errors of [`Method::Direct`].
     pub direct_errors: Errors<'a>,
     /// Leave-one-out errors of [`Method::Paper`].
     pub paper_errors: Errors<'a>,
+}
+
+/// Where the samples of a cluster lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Samples<'a> {
+    /// `[N_c, P]`: rows of parameters, all different.
+    #[serde(borrow)]
+    pub parameters: Matrix<'a>,
+    /// `[N_c, P]`: their [places](crate::interpolate::Coordinates::place), in which [`Method::Direct`] takes distances.
+    pub places: Matrix<'a>,
 }
 
 /// The motion of a cluster: the double POD of displacement and velocity (eqs. 15 to 22) in common modes, with time in cubic
@@ -270,15 +280,21 @@ pub struct Matrix<'a> {
 
 /// How the entries of a matrix are stored.
 ///
-/// A panel is eight successive rows, column by column: eight entries of the first column, eight of the second ... Products
-/// with vectors take a panel at a time. Where the rows are no multiple of eight, zeros fill the last panel.
+/// Integers are digits of one byte with a sign. A column of two digits is 256 times the first and the second; the columns of
+/// two digits come first.
+///
+/// A panel is eight successive rows in blocks of 16 bytes, one for a column of two digits or for two columns of one. A block
+/// is four words, one for every two rows: the first digits of these, or those of the first column, then the second ones.
+/// Products with vectors take a panel at a time. Where the rows are no multiple of eight, or the columns of one digit are odd
+/// in number, zeros fill the last panel or block. The panels of a transpose have digits for rows, the last digits of
+/// all columns before the first ones, and rows for columns, all of one digit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Encoding {
     /// Little-endian binary32, row by row.
     #[default]
     F32,
-    /// A little-endian binary32 for each column, its unit; then the rows in the units of their columns.
+    /// A little-endian binary32 for each column, its unit; then the panels of the transpose, in the units of the columns.
     Columns(Digits),
     /// A little-endian binary32 for each column, its unit; then the panels in the units of their columns.
     ColumnPanels(Digits),
@@ -289,7 +305,7 @@ pub enum Encoding {
 /// How integers are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Digits {
-    /// In how many of the first columns they are little-endian i16; in the others they are i8.
+    /// In how many of the first columns they have two digits.
     pub coarse: u16,
 }
 
@@ -304,7 +320,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + (11 + 3 * MAX_SPANS) * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + (12 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

@@ -10,6 +10,8 @@ use capsule_core::model::wire::*;
 use std::collections::HashMap;
 use std::ops::Range;
 
+/// Scales of the kernel's coordinates.
+const KERNEL_SCALES: [f64; 4] = [2.25, 1.0, 1.0, 1.0];
 /// Number of modes of the shape; the state has one coefficient more, the translation.
 pub const SHAPE_MODES: usize = 4;
 /// Number of parameter functions: 1, a/l, (a/l)^2, Ca.
@@ -294,6 +296,13 @@ impl Family {
             for (min, max) in clusters {
                 let samples = self.cluster_samples(min, max);
                 a.f32s(samples.iter().copied().flatten());
+                a.f32s(samples.iter().flat_map(|[ca, confinement]| {
+                    let limit: f64 = 0.14_f32.into();
+                    [
+                        KERNEL_SCALES[0] * ca.sqrt() / limit.powf(0.125),
+                        KERNEL_SCALES[1] * confinement,
+                    ]
+                }));
                 a.f32s((0..3).flat_map(|axis| {
                     let entry =
                         move |node: Option<&u16>, mode: &[[f64; 3]]| node.map_or(0.0, |&n| mode[usize::from(n)][axis]);
@@ -346,7 +355,10 @@ impl Family {
         let (steady_limit, border) = (f32(3, 2, blob()), f32(0, 2, blob()));
         let clusters = clusters.into_iter().map(|(min, max)| {
             let count = self.cluster_samples(min, max).len();
-            let samples = f32(count, 2, blob());
+            let samples = Samples {
+                parameters: f32(count, 2, blob()),
+                places: f32(count, 2, blob()),
+            };
             let controls = self.controls();
             let field = Field {
                 modes: f32(3 * padded(sector), SHAPE_MODES, blob()),
@@ -405,7 +417,7 @@ impl Family {
             default_method: Method::Direct,
             kernel: Kernel {
                 neighbours: 24,
-                scales: [2.25, 1.0, 1.0, 1.0],
+                scales: KERNEL_SCALES,
             },
             paper: Paper {
                 neighbours: 12,

@@ -108,21 +108,23 @@ impl Real for Counted {
 
     type Whole = i32;
     const NO_WHOLE: i32 = 0;
-    const GREATEST_WHOLE: Self = Self(f32::GREATEST_WHOLE);
+    const GREATEST_FACTOR: Self = Self(f32::GREATEST_FACTOR);
+    type Pair = u32;
+    const NO_PAIR: u32 = f32::NO_PAIR;
 
-    fn to_whole(self) -> i32 {
-        self.0.to_whole()
-    }
     fn from_whole(whole: i32) -> Self {
         Self(f32::from_whole(whole))
     }
-    fn add_product(sum: i32, entry: i8, factor: i32) -> i32 {
+    fn pair(first: Self, second: Self) -> u32 {
+        f32::pair(first.0, second.0)
+    }
+    fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
         note(|counts| {
-            counts.reads += 1;
-            counts.additions += 1;
-            counts.multiplications += 1;
+            counts.reads += 4;
+            counts.additions += 4;
+            counts.multiplications += 4;
         });
-        f32::add_product(sum, entry, factor)
+        f32::add_products(sums, entries, pair)
     }
 
     fn from_f32(value: f32) -> Self {

@@ -85,7 +85,7 @@ fn weights(model: &Model, parameters: &[f64]) -> Result<Vec<(Vec<f64>, f64)>, Ev
         None,
         &mut scratch,
     )?;
-    let samples = MatrixView::new(&cluster.samples);
+    let samples = MatrixView::new(&cluster.samples.parameters);
     let sample = |j| (0..samples.columns()).map(|d| samples.get(j, d).into()).collect();
     Ok(weights.iter().map(|(j, weight)| (sample(j), weight)).collect())
 }

@@ -20,8 +20,10 @@ const PARAMETER_SHARE: f64 = 0.625;
 const TIME_SHARE: f64 = 1.0;
 /// What rows of the core that are left out may add at a control.
 const ROWS_SHARE: f64 = 1.0;
-/// What the digits of the modes, of the parameter modes and of the core may add, each.
-const DIGITS_SHARE: f64 = 0.15;
+/// What the digits of the modes and of the parameter modes may add, each.
+const DIGITS_SHARE: f64 = 0.2;
+/// What the digits of the core may add: every column of two digits costs a query as much as one more column.
+const CORE_DIGITS_SHARE: f64 = 0.3;
 /// What the translation's modes may leave.
 const AXIAL_SHARE: f64 = 0.025;
 /// The tolerance of all else where ranks are given instead, l.
@@ -241,8 +243,8 @@ impl Snapshots {
     }
 
     /// The mean square that digits may add: finer than the modes that are kept is of no use.
-    fn digits(&self, pod: &DoublePod) -> f64 {
-        (DIGITS_SHARE * pod.space_error.max(self.tolerance())).powi(2)
+    fn digits(&self, pod: &DoublePod, share: f64) -> f64 {
+        (share * pod.space_error.max(self.tolerance())).powi(2)
     }
 
     /// How many of the leading modes need two bytes an entry; `greatest` is the greatest entry of a mode at the nodes.
@@ -251,7 +253,7 @@ impl Snapshots {
         let snapshots = (self.shape[0].ncols() * pod.samples()) as f64;
         // Of each of the three components of a node, times the mode's mean square coefficient.
         let rounding = |k: usize| 3.0 * rounding(greatest(k)) * pod.squares[k] / snapshots;
-        trailing(count, self.digits(pod), rounding)
+        trailing(count, self.digits(pod, DIGITS_SHARE), rounding)
             .next_multiple_of(LANES)
             .min(count)
     }
@@ -263,7 +265,7 @@ impl Snapshots {
         // Times the mean square of what the mode is multiplied by at the nodes.
         let controls = (self.nodes * span.slices.len()) as f64;
         let rounding = |l: usize| rounding(greatest(l)) * span.values[l].powi(2) / controls;
-        trailing(psi.ncols(), self.digits(pod), rounding)
+        trailing(psi.ncols(), self.digits(pod, DIGITS_SHARE), rounding)
     }
 
     /// How many of the leading columns of its core do.
@@ -280,7 +282,7 @@ impl Snapshots {
             let sum: f64 = rows.map(|(slice, k)| rounding(greatest(slice, k, from))).sum();
             columns as f64 * sum / (self.nodes * span.slices.len() * samples) as f64
         };
-        let budget = self.digits(pod);
+        let budget = self.digits(pod, CORE_DIGITS_SHARE);
         (0..columns).find(|from| error(*from) <= budget).unwrap_or(columns)
     }
 

@@ -127,11 +127,11 @@ impl Default for Settings {
                 parameter: 1,
                 value: 0.9,
             }),
-            truncation: Truncation::Tolerance(1.35e-4),
+            truncation: Truncation::Tolerance(1.4e-4),
             storage: Storage::Integer,
             spacing: 0.05,
             kernel: Kernel {
-                neighbours: 14,
+                neighbours: 12,
                 scales: [1.5, 1.0, 1.0, 1.0],
             },
             paper: Paper {

@@ -1,11 +1,12 @@
 //! From reduced clusters to the bytes of a model file.
 
-use capsule_core::model::encode;
+use capsule_core::interpolate::Coordinates;
 use capsule_core::model::wire::{
     self, Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference,
-    Span,
+    Samples, Span,
 };
-use capsule_core::{DIAGONAL, MIDPLANE};
+use capsule_core::model::{Curve, MatrixView, encode};
+use capsule_core::{DIAGONAL, MIDPLANE, Parameters};
 use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
 use std::ops::Range;
@@ -39,7 +40,7 @@ impl Numbers {
     }
 
     /// As [`Numbers::new`], but units of the columns or of the rows and multiples of them if the storage is so: the first
-    /// `coarse` columns in two bytes, the others in one.
+    /// `coarse` columns in two digits, the others in one.
     fn integers(
         storage: Storage,
         encoding: fn(Digits) -> Encoding,
@@ -62,29 +63,29 @@ impl Numbers {
             (0..columns).map(|j| unit(column(j), j < coarse)).collect()
         };
         let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
-        let mut push = |i: usize, j: usize| {
-            // Beyond the rows a panel is filled with zeros.
-            let unit = *units.get(if of_rows { i } else { j }).unwrap_or(&0.0);
-            let multiple = if i < rows { value(i, j) / f64::from(unit) } else { 0.0 };
-            // A unit is rounded, so a multiple may be one more than the greatest; casts saturate. Of a unit that is 0 every
-            // multiple is.
-            let integer = multiple.round();
-            if j < coarse {
-                bytes.extend((integer as i16).to_le_bytes());
-            } else {
-                bytes.extend((integer as i8).to_le_bytes());
-            }
+        let digits = |i: usize, j: usize| {
+            let unit = units[if of_rows { i } else { j }];
+            // A unit is rounded, so a multiple may be one more than the greatest. Of a unit that is 0 every multiple is.
+            let most = greatest_multiple(j < coarse);
+            let multiple = if unit > 0.0 { value(i, j) / f64::from(unit) } else { 0.0 };
+            let integer = multiple.round().clamp(-most, most) as i32;
+            let last = integer as i8;
+            [((integer - i32::from(last)) / 256) as u8, last as u8]
         };
-        let height = if matches!(encoding, Encoding::Columns(_)) {
-            1
+        let places = columns + coarse;
+        bytes.extend(if matches!(encoding, Encoding::Columns(_)) {
+            let digit = |place: usize, i| match place.checked_sub(columns) {
+                Some(j) => digits(i, j)[0],
+                None => digits(i, place)[1],
+            };
+            panels([places, rows], digit)
         } else {
-            LANES
-        };
-        for first in (0..rows).step_by(height) {
-            for j in 0..columns {
-                (first..first + height).for_each(|i| push(i, j));
-            }
-        }
+            let digit = |i, place: usize| match place.checked_sub(2 * coarse) {
+                Some(fine) => digits(i, coarse + fine)[1],
+                None => digits(i, place / 2)[place % 2],
+            };
+            panels([rows, places], digit)
+        });
         Numbers {
             rows,
             columns,
@@ -99,20 +100,22 @@ impl Numbers {
 
     /// Without the rows at these places.
     fn without(&self, out: &[usize]) -> Self {
-        // The units of the columns come first, then the rows.
-        let units = match self.encoding {
-            Encoding::Columns(_) => 4 * self.columns,
-            _ => 0,
+        let kept: Vec<usize> = (0..self.rows).filter(|row| !out.contains(row)).collect();
+        let bytes = if let Encoding::Columns(Digits { coarse }) = self.encoding {
+            let (units, entries) = self.bytes.split_at(4 * self.columns);
+            let places = self.columns + usize::from(coarse);
+            let digit = |place, i: usize| entries[place_in_panels([place, kept[i]], self.rows)];
+            [units.to_vec(), panels([places, kept.len()], digit)].concat()
+        } else {
+            let width = self.bytes.len() / self.rows.max(1);
+            let row = |row: &usize| &self.bytes[row * width..(row + 1) * width];
+            kept.iter().flat_map(row).copied().collect()
         };
-        let (units, entries) = self.bytes.split_at(units);
-        let width = entries.len() / self.rows.max(1);
-        let mut bytes = units.to_vec();
-        let mut rows = 0;
-        for row in (0..self.rows).filter(|row| !out.contains(row)) {
-            bytes.extend(&entries[row * width..(row + 1) * width]);
-            rows += 1;
+        Numbers {
+            rows: kept.len(),
+            bytes,
+            ..*self
         }
-        Numbers { rows, bytes, ..*self }
     }
 
     fn matrix(&self) -> Matrix<'_> {
@@ -120,10 +123,34 @@ impl Numbers {
     }
 }
 
-/// The unit in which the greatest number is the greatest integer of two bytes or of one.
-fn unit(greatest: f64, two_bytes: bool) -> f32 {
-    let most = if two_bytes { i16::MAX.into() } else { f64::from(i8::MAX) };
-    (greatest / most) as f32
+/// Digits as panels hold them, see [`Encoding`]; zeros beyond the rows and columns.
+fn panels([rows, columns]: [usize; 2], digit: impl Fn(usize, usize) -> u8) -> Vec<u8> {
+    let length = rows.next_multiple_of(LANES) * columns.next_multiple_of(2);
+    let mut bytes = vec![0; length];
+    for row in 0..rows {
+        for column in 0..columns {
+            bytes[place_in_panels([row, column], columns)] = digit(row, column);
+        }
+    }
+    bytes
+}
+
+/// Where the panels of so many columns hold a digit.
+fn place_in_panels([row, column]: [usize; 2], columns: usize) -> usize {
+    let block = row / LANES * columns.div_ceil(2) + column / 2;
+    let word = block * (LANES / 2) + row % LANES / 2;
+    4 * word + 2 * (column % 2) + row % 2
+}
+
+/// The unit in which the greatest number is the greatest integer of two digits or of one.
+fn unit(greatest: f64, two_digits: bool) -> f32 {
+    (greatest / greatest_multiple(two_digits)) as f32
+}
+
+/// The greatest integer of two digits or of one.
+fn greatest_multiple(two_digits: bool) -> f64 {
+    let digit = f64::from(i8::MAX);
+    if two_digits { 256.0 * digit + digit } else { digit }
 }
 
 /// The mesh as the file holds it.
@@ -495,11 +522,27 @@ impl ClusterParts {
         }
     }
 
-    fn wire(&self) -> Cluster<'_> {
+    /// The samples' places in the coordinates.
+    fn places(&self, coordinates: &Coordinates<'_>) -> Numbers {
+        let matrix = self.samples.matrix();
+        let samples = MatrixView::new(&matrix);
+        let place = |j: usize| {
+            let parameters: Vec<f64> = (0..samples.columns()).map(|d| samples.get(j, d).into()).collect();
+            let parameters = Parameters::new(&parameters);
+            parameters.map_or([0.0; wire::MAX_PARAMETERS], |parameters| coordinates.place(&parameters))
+        };
+        let places: Vec<_> = (0..samples.rows()).map(place).collect();
+        Numbers::new(samples.rows(), samples.columns(), |j, d| places[j][d])
+    }
+
+    fn wire<'a>(&'a self, places: &'a Numbers) -> Cluster<'a> {
         Cluster {
             min: self.range[0],
             max: self.range[1],
-            samples: self.samples.matrix(),
+            samples: Samples {
+                parameters: self.samples.matrix(),
+                places: places.matrix(),
+            },
             field: self.field.wire(),
             direct_errors: self.errors[0].wire(),
             paper_errors: self.errors[1].wire(),
@@ -578,6 +621,13 @@ pub(crate) fn write(
         min: *min,
         max: *max,
     });
+    let [limit_matrix, border_matrix] = [&limit, &border].map(Numbers::matrix);
+    let coordinates = Coordinates {
+        scales: settings.kernel.scales,
+        limit: (limit.rows > 0).then_some(Curve::new(&limit_matrix)),
+        border: Curve::new(&border_matrix),
+    };
+    let places: Vec<Numbers> = clusters.iter().map(|cluster| cluster.places(&coordinates)).collect();
     let contents = Contents {
         metadata: Metadata {
             title: &settings.title,
@@ -595,13 +645,13 @@ pub(crate) fn write(
         mesh: mesh.wire(),
         times: times.matrix(),
         error_times: error_times.matrix(),
-        steady_limit: limit.matrix(),
-        border: border.matrix(),
+        steady_limit: limit_matrix,
+        border: border_matrix,
         default_method: settings.default_method,
         kernel: settings.kernel,
         paper: settings.paper,
         split: settings.split.map_or(0, |split| split.parameter) as u8,
-        clusters: clusters.iter().map(|c| c.wire()).collect(),
+        clusters: clusters.iter().zip(&places).map(|(c, places)| c.wire(places)).collect(),
     };
     let mut room = 8192 + text.len() + settings.title.len() + settings.membrane_law.len();
     room += domain.names.iter().map(String::len).sum::<usize>();
@@ -613,7 +663,7 @@ pub(crate) fn write(
         + limit.bytes.len()
         + border.bytes.len();
     for cluster in clusters {
-        room += cluster.field.length() + cluster.samples.bytes.len();
+        room += cluster.field.length() + 2 * cluster.samples.bytes.len();
         room += cluster
             .errors
             .iter()

@@ -110,7 +110,7 @@ fn predicted(model: &Model, parameters: &[f64], t: f64) -> Result<Vec<[f64; 3]>,
 /// of the sine.
 fn bound(model: &Model, parameters: &[f64], t: f64) -> f64 {
     let contents = model.contents();
-    let samples = MatrixView::new(&contents.clusters[0].samples);
+    let samples = MatrixView::new(&contents.clusters[0].samples.parameters);
     let row = |j: usize| -> Vec<f64> { (0..samples.columns()).map(|d| samples.get(j, d).into()).collect() };
     let query = Parameters::new(parameters).unwrap();
     let mut weights = Weights::<f64, 32>::EMPTY;

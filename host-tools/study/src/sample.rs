@@ -2,10 +2,9 @@
 
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
-use capsule_core::model::wire::Matrix;
 use capsule_core::{Domain, EvaluateError, Model, Parameters};
 use capsule_database::Database;
-use capsule_offline::{Progress, Settings, Subsets};
+use capsule_offline::{PlacedSamples, Progress, Settings, Subsets};
 use serde::Serialize;
 
 use crate::{Fresh, StudyError, fresh};
@@ -75,37 +74,40 @@ struct Estimator<'m> {
 
 struct Cluster {
     range: [f64; 2],
-    /// Their parameters as the core reads them.
-    samples: Vec<u8>,
+    /// Their parameters, by rising last one.
+    samples: Vec<Vec<f32>>,
+    placed: PlacedSamples,
     /// The error of each sample, predicted by the others, over the deviation of that prediction.
     ratios: Vec<f64>,
 }
 
 impl Cluster {
+    fn new(range: [f64; 2], samples: Vec<Vec<f32>>, ratios: Vec<f64>, coordinates: &Coordinates<'_>) -> Self {
+        let placed = PlacedSamples::new(samples.iter().map(Vec::as_slice), coordinates);
+        Self {
+            range,
+            samples,
+            placed,
+            ratios,
+        }
+    }
+
     /// Adds a sample in its place: they lie by rising last parameter.
-    fn add(&mut self, parameters: &Parameters<f64>, ratio: f64) {
-        let new: Vec<[u8; 4]> = parameters
-            .as_slice()
-            .iter()
-            .map(|value| (*value as f32).to_le_bytes())
-            .collect();
-        let last = |sample: &[[u8; 4]]| sample.last().map_or(0.0, |bytes| f32::from_le_bytes(*bytes));
-        let (samples, _) = self.samples.as_chunks::<4>();
-        let before = samples
-            .chunks(new.len())
-            .take_while(|sample| last(sample) <= last(&new))
-            .count();
-        let at = before * new.as_flattened().len();
-        self.samples.splice(at..at, new.as_flattened().iter().copied());
+    fn add(&mut self, parameters: &Parameters<f64>, ratio: f64, coordinates: &Coordinates<'_>) {
+        let new: Vec<f32> = parameters.as_slice().iter().map(|value| *value as f32).collect();
+        let before = self.samples.partition_point(|sample| sample.last() <= new.last());
+        self.samples.insert(before, new);
         self.ratios.insert(before, ratio);
+        self.placed = PlacedSamples::new(self.samples.iter().map(Vec::as_slice), coordinates);
     }
 }
 
 impl<'m> Estimator<'m> {
     fn new(model: &'m Model<'m>, until: f64) -> Self {
         let instants = MatrixView::new(&model.contents().error_times);
+        let coordinates = Coordinates::new(model.contents());
         let clusters = model.contents().clusters.iter().map(|cluster| {
-            let samples = MatrixView::new(&cluster.samples);
+            let samples = MatrixView::new(&cluster.samples.parameters);
             let errors = &cluster.direct_errors;
             let (left_out, deviations) = (MatrixView::new(&errors.left_out), MatrixView::new(&errors.deviation));
             let ratio = |j: usize| {
@@ -121,11 +123,9 @@ impl<'m> Estimator<'m> {
             for j in (0..ratios.len()).filter(|j| !predicted(j)) {
                 ratios[j] = mean;
             }
-            Cluster {
-                range: [cluster.min, cluster.max],
-                samples: cluster.samples.blob.data.to_vec(),
-                ratios,
-            }
+            let row = |j: usize| (0..samples.columns()).map(|d| samples.get(j, d)).collect();
+            let samples = (0..samples.rows()).map(row).collect();
+            Cluster::new([cluster.min, cluster.max], samples, ratios, &coordinates)
         });
         Self {
             clusters: clusters.collect(),
@@ -149,9 +149,10 @@ impl<'m> Estimator<'m> {
         }
         let (error, ratio, parameters) = worst.ok_or(StudyError::NothingToCompare)?;
         let place = self.place(&parameters);
+        let coordinates = Coordinates::new(self.model.contents());
         for cluster in &mut self.clusters {
             if cluster.range[0] <= place && place <= cluster.range[1] {
-                cluster.add(&parameters, ratio);
+                cluster.add(&parameters, ratio, &coordinates);
             }
         }
         Ok(Suggestion {
@@ -168,11 +169,7 @@ impl<'m> Estimator<'m> {
             return Err(StudyError::NothingToCompare);
         };
         let contents = self.model.contents();
-        let samples = Matrix::f32(
-            cluster.ratios.len() as u32,
-            query.as_slice().len() as u32,
-            &cluster.samples,
-        );
+        let samples = cluster.placed.samples();
         let mut weights = Weights::<f64, NEIGHBOURS>::EMPTY;
         let mut scratch = [0.0; Weights::<f64, NEIGHBOURS>::SCRATCH];
         let coordinates = Coordinates::new(contents);

@@ -169,7 +169,7 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
                 ask(Method::Direct, true, [0.05, confinement + offset, STEP, 1.5], 2);
             }
         }
-        let samples = capsule_core::model::MatrixView::new(&cluster.samples);
+        let samples = capsule_core::model::MatrixView::new(&cluster.samples.parameters);
         for i in (0..samples.rows()).step_by(samples.rows().div_ceil(8).max(1)) {
             let sample = [0, 1].map(|column| f64::from(samples.get(i, column)));
             ask(Method::Direct, true, [sample[0], sample[1], STEP, 4.0], 2);

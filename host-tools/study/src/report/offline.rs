@@ -20,10 +20,10 @@ pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
         ["first cluster", "second cluster", "both"].map(|name| (name.to_owned(), Mark::Dots, vec![]));
     let same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-6;
     for (index, cluster) in clusters.iter().enumerate() {
-        for sample in MatrixView::new(&cluster.samples).pairs::<f64>() {
+        for sample in MatrixView::new(&cluster.samples.parameters).pairs::<f64>() {
             let others = clusters.iter().enumerate().filter(|(other, _)| *other != index);
             let shared = others
-                .flat_map(|(_, other)| MatrixView::new(&other.samples).pairs())
+                .flat_map(|(_, other)| MatrixView::new(&other.samples.parameters).pairs())
                 .any(|other| same(other, sample));
             match (shared, index) {
                 (true, 0) => groups[2].2.push((sample[0], sample[1])),

@@ -4,6 +4,7 @@ use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::Curve;
 use capsule_core::model::wire::{Kernel, Matrix, Paper};
 use capsule_core::{EvaluateError, Parameters, Real};
+use capsule_offline::PlacedSamples;
 
 use super::Check;
 use super::places::NEIGHBOURS;
@@ -80,12 +81,9 @@ fn count<T: Real>(check: &mut Check, samples: &[[f64; 2]], query: [f64; 2]) {
         velocity_rank: 10,
         window: 2.0,
     };
-    let bytes: Vec<u8> = samples
-        .as_flattened()
-        .iter()
-        .flat_map(|value| (*value as f32).to_le_bytes())
-        .collect();
-    let samples = Matrix::f32(samples.len() as u32, 2, &bytes);
+    let samples: Vec<[f32; 2]> = samples.iter().map(|sample| sample.map(|value| value as f32)).collect();
+    let placed = PlacedSamples::new(samples.iter().map(|sample| &sample[..]), &coordinates);
+    let samples = placed.samples();
     let place = Parameters::from(query.map(T::from_f64));
     let mut scratch = vec![T::ZERO; Weights::<T, NEIGHBOURS>::SCRATCH];
     let (mut direct, mut diffuse) = (Weights::<T, NEIGHBOURS>::EMPTY, Weights::EMPTY);

@@ -127,7 +127,7 @@ pub(super) fn rows(subject: &Subject, model: &Model) -> Result<Vec<Row>, StudyEr
         ridge: 1e-4,
     };
     // As in the model, no interpolation crosses the row at which the start changes.
-    let split = MatrixView::new(&model.contents().clusters[0].samples)
+    let split = MatrixView::new(&model.contents().clusters[0].samples.parameters)
         .pairs::<f64>()
         .map(|[_, confinement]| confinement)
         .fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
-use capsule_core::model::wire::{Contents, Matrix};
+use capsule_core::model::wire::{Contents, Samples};
 use capsule_core::{Domain, Model, Parameters, Real};
 use serde::Serialize;
 
@@ -61,7 +61,7 @@ fn place(model: &Model, query: [f64; 2]) -> Option<Place> {
         radius: contents.paper.radius,
         ridge: 1e-4,
     };
-    let all: Vec<[f64; 2]> = MatrixView::new(samples).pairs().collect();
+    let all: Vec<[f64; 2]> = MatrixView::new(&samples.parameters).pairs().collect();
     Some(Place {
         capillary_number: query[0],
         confinement: query[1],
@@ -78,7 +78,7 @@ fn place(model: &Model, query: [f64; 2]) -> Option<Place> {
 fn weights<T: Real>(
     contents: &Contents<'_>,
     coordinates: &Coordinates<'_>,
-    samples: &Matrix<'_>,
+    samples: &Samples<'_>,
     query: [f64; 2],
 ) -> Option<[Weights<T, NEIGHBOURS>; 2]> {
     let query = Parameters::from(query.map(T::from_f64));

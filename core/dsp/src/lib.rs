@@ -1,0 +1,75 @@
+//! Products of pairs of small integers.
+//!
+//! A Cortex-M4 or M7 multiplies two pairs of halfwords and adds both products in one instruction, which the compiler does not
+//! use of itself. The instructions read and write registers only; elsewhere the same is said in Rust. This is the one place
+//! of the online stage that needs `unsafe`, so it is a crate of its own, and what it exports is safe.
+
+#![no_std]
+
+/// sums <- sums + entries times factors, for two rows of two columns: `entries` are those of the first column, then those of
+/// the second. The factors are the low and the high half of `pair`. Sums that overflow wrap.
+#[inline(always)]
+pub fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
+    let entries = u32::from_le_bytes(entries);
+    let [first, second] = sums;
+    [
+        add_halves(first, bytes::<0>(entries), pair),
+        add_halves(second, bytes::<8>(entries), pair),
+    ]
+}
+
+/// The bytes at bits `FROM` and `FROM` + 16, as halves with their sign.
+#[cfg(armv7e_m)]
+#[inline(always)]
+fn bytes<const FROM: u32>(word: u32) -> u32 {
+    let halves;
+    // SAFETY: the instruction computes a register from a register.
+    unsafe {
+        core::arch::asm!("sxtb16 {}, {}, ror #{}", out(reg) halves, in(reg) word, const FROM, options(pure, nomem, nostack));
+    }
+    halves
+}
+
+/// sum + the products of the low and of the high halves.
+#[cfg(armv7e_m)]
+#[inline(always)]
+fn add_halves(mut sum: i32, a: u32, b: u32) -> i32 {
+    // SAFETY: the instruction computes a register from three.
+    unsafe {
+        core::arch::asm!("smlad {0}, {1}, {2}, {0}", inout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack));
+    }
+    sum
+}
+
+/// As on a microcontroller.
+#[cfg(not(armv7e_m))]
+#[inline(always)]
+fn bytes<const FROM: u32>(word: u32) -> u32 {
+    let half = |from: u32| u32::from(((word >> from) as i8 as i16) as u16);
+    half(FROM) | half(FROM + 16) << 16
+}
+
+/// As on a microcontroller.
+#[cfg(not(armv7e_m))]
+#[inline(always)]
+fn add_halves(sum: i32, a: u32, b: u32) -> i32 {
+    let product = |from: u32| i32::from((a >> from) as i16) * i32::from((b >> from) as i16);
+    sum.wrapping_add(product(0)).wrapping_add(product(16))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bytes_of_a_column_follow_each_other() {
+        let most = u32::from(i16::MIN as u16) << 16 | u32::from(i16::MAX as u16);
+        for (entries, pair, expected) in [
+            ([1, 10, 2, 20], 3 | 5 << 16, [1 + 3 + 2 * 5, 2 + 10 * 3 + 20 * 5]),
+            ([0xff, 0x80, 0x7f, 0], 7 | 0xfffe << 16, [1 - 7 - 127 * 2, 2 - 128 * 7]),
+            ([0x80; 4], most, [1 + 128, 2 + 128]),
+        ] {
+            assert_eq!(add_products([1, 2], entries, pair), expected);
+        }
+    }
+}
