@@ -5,7 +5,7 @@
 
 use crate::Real;
 use crate::interpolate::Weights;
-use crate::linalg::{IN_PAIRS, LANES, dot, part, part_mut};
+use crate::linalg::{LANES, dot, part, part_mut};
 use crate::model::wire::{Field, Span};
 use crate::model::{Factors, Indices, MatrixView, Vectors};
 use crate::spline::{ORDER, Splines};
@@ -195,24 +195,14 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
 
 /// out <- rows, from a panel on, times a vector.
 fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out: &mut [T]) {
-    let width = if IN_PAIRS { 2 } else { 1 };
-    for (group, out) in out.chunks_mut(width * LANES).enumerate() {
-        let panel = first + width * group;
-        if IN_PAIRS && out.len() > LANES {
-            products(rows, [panel, panel + 1], x, out);
-        } else {
-            products(rows, [panel], x, out);
-        }
+    let (panels, rest) = out.as_chunks_mut::<LANES>();
+    rows.successive(first, x, panels.as_chunks_mut().0);
+    if !rest.is_empty() {
+        let mut last = [[[T::ZERO; LANES]; 1]];
+        rows.successive(first + panels.len(), x, &mut last);
+        let last = last.as_flattened().as_flattened();
+        rest.iter_mut().zip(last).for_each(|(out, product)| *out = *product);
     }
-}
-
-/// out <- the rows of some panels times a vector.
-#[inline(always)]
-fn products<T: Real, const P: usize>(rows: &MatrixView<'_>, panels: [usize; P], x: Factors<'_, T>, out: &mut [T]) {
-    let mut products = [[[T::ZERO; LANES]; 1]; P];
-    rows.panels(panels, x, &mut products);
-    let products = products.as_flattened().as_flattened();
-    out.iter_mut().zip(products).for_each(|(out, product)| *out = *product);
 }
 
 /// How many of the leading coefficients leave no more than a length of the others: the modes are orthonormal, so what is

@@ -360,6 +360,29 @@ impl<'a> MatrixView<'a> {
         }
     }
 
+    /// products <- the rows of successive panels times some vectors.
+    pub(crate) fn successive<T: Real, const B: usize>(
+        &self,
+        first: usize,
+        x: Factors<'_, T, B>,
+        products: &mut [[[T; LANES]; B]],
+    ) {
+        let mut panel = first;
+        let mut products = products;
+        if IN_PAIRS {
+            let (pairs, rest) = products.as_chunks_mut();
+            for pair in pairs {
+                self.side_by_side::<T, B, 2>([panel, panel + 1], x, pair);
+                panel += 2;
+            }
+            products = rest;
+        }
+        for single in products.as_chunks_mut().0 {
+            self.side_by_side::<T, B, 1>([panel], x, single);
+            panel += 1;
+        }
+    }
+
     #[inline(never)]
     fn side_by_side<T: Real, const B: usize, const P: usize>(
         &self,
@@ -445,6 +468,7 @@ impl<'a> MatrixView<'a> {
             *pair = [T::pair(*first, *second)];
         }
         let mut blocks = [Block::default(); SOME];
+        let mut sums = [[[T::ZERO; LANES]; 1]];
         for first in (0..self.columns + integers.coarse).step_by(LANES) {
             let panel = integers.across(first / LANES, self.rows);
             for (block, (place, _)) in blocks.iter_mut().zip(places) {
@@ -453,7 +477,6 @@ impl<'a> MatrixView<'a> {
                     *block = [*a, *b, *c, *d];
                 }
             }
-            let mut sums = [[[T::ZERO; LANES]; 1]];
             T::multiply([part(&blocks, 0..count)], &pairs, [unit], &mut sums);
             for (place, sum) in (first..).zip(sums.as_flattened().as_flattened()) {
                 if let Some(out) = out.get_mut(place) {

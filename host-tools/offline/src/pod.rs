@@ -566,8 +566,7 @@ mod tests {
         let (samples, columns) = span.parameter_modes.shape();
         let psi = |j: usize| (0..columns).map(move |l| (l, j));
         let mean = |sum: f64| sum / (4 * span.slices.len() * samples) as f64;
-        let budget = snapshots.digits(&pod);
-
+        let budget = snapshots.digits(&pod, CORE_DIGITS_SHARE);
         let coarse = snapshots.coarse_columns(&pod, span);
         assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
         let error = |coarse: usize| {
@@ -592,6 +591,7 @@ mod tests {
         };
         assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
 
+        let budget = snapshots.digits(&pod, DIGITS_SHARE);
         let coarse = snapshots.coarse_parameter_modes(&pod, span);
         assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
         let error = |coarse: usize| {
