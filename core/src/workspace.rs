@@ -10,7 +10,7 @@ use crate::{Domain, Query, Real};
 /// Storage for one query at a time; const-constructible, so that it can be a `static`. It keeps what was computed, so
 /// that nothing is computed twice as long as the query stays.
 ///
-/// Capacities: `K` modes (K, translation included, and K_c), `M` local modes (m_u, m_v), `N` samples that take part in a
+/// Capacities: `K` modes (K, translation included, and K_c), at most 256, `M` local modes (m_u, m_v), `N` samples that take part in a
 /// query, at most 48.
 ///
 /// In this order, what is small lies before what is large: a Cortex-M reaches the first 4 KiB in one instruction.
@@ -35,6 +35,9 @@ pub(crate) const PAPER_MODES: usize = 41;
 pub(crate) const PAPER_ROW: usize = PAPER_MODES + LANES - 1;
 /// Snapshots that there is room for.
 pub(crate) const SNAPSHOTS: usize = 64;
+
+/// The most modes: twice as many digits, each at most 128 times the greatest factor of singles, 32,767, are a sum below 2^31.
+const MOST_MODES: usize = 256;
 
 /// The factor of the snapshots.
 pub(crate) type Factor<T> = [[T; PAPER_ROW]; SNAPSHOTS];
@@ -70,7 +73,8 @@ impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M,
             assert!(
                 Weights::<T, N>::SCRATCH <= PAPER_ROW * SNAPSHOTS,
                 "the interpolation must fit into the scratch"
-            )
+            );
+            assert!(K <= MOST_MODES, "sums of products must not overflow")
         };
         Self {
             prepared: None,
