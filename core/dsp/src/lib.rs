@@ -10,12 +10,26 @@
 /// the second. The factors are the low and the high half of `pair`. Sums that overflow wrap.
 #[inline(always)]
 pub fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
+    add(sums, entries, pair)
+}
+
+#[cfg(armv7e_m)]
+#[inline(always)]
+fn add([first, second]: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
     let entries = u32::from_le_bytes(entries);
-    let [first, second] = sums;
     [
         add_halves(first, bytes::<0>(entries), pair),
         add_halves(second, bytes::<8>(entries), pair),
     ]
+}
+
+#[cfg(not(armv7e_m))]
+#[inline(always)]
+fn add([first, second]: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
+    let [a, b, c, d] = entries.map(|entry| i32::from(entry.cast_signed()));
+    let (x, y) = (i32::from(pair as i16), pair.cast_signed() >> 16);
+    let add = |sum: i32, first: i32, second: i32| sum.wrapping_add(first * x).wrapping_add(second * y);
+    [add(first, a, c), add(second, b, d)]
 }
 
 /// The bytes at bits `FROM` and `FROM` + 16, as halves with their sign.
@@ -39,22 +53,6 @@ fn add_halves(mut sum: i32, a: u32, b: u32) -> i32 {
         core::arch::asm!("smlad {0}, {1}, {2}, {0}", inout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack));
     }
     sum
-}
-
-/// As on a microcontroller.
-#[cfg(not(armv7e_m))]
-#[inline(always)]
-fn bytes<const FROM: u32>(word: u32) -> u32 {
-    let half = |from: u32| u32::from(((word >> from) as i8 as i16) as u16);
-    half(FROM) | half(FROM + 16) << 16
-}
-
-/// As on a microcontroller.
-#[cfg(not(armv7e_m))]
-#[inline(always)]
-fn add_halves(sum: i32, a: u32, b: u32) -> i32 {
-    let product = |from: u32| i32::from((a >> from) as i16) * i32::from((b >> from) as i16);
-    sum.wrapping_add(product(0)).wrapping_add(product(16))
 }
 
 #[cfg(test)]
