@@ -247,7 +247,7 @@ impl Snapshots {
         (share * pod.space_error.max(self.tolerance())).powi(2)
     }
 
-    /// How many of the leading modes need two bytes an entry; `greatest` is the greatest entry of a mode at the nodes.
+    /// How many of the leading modes need two digits an entry; `greatest` is the greatest entry of a mode at the nodes.
     pub(crate) fn coarse_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
         let count = pod.modes.ncols();
         let snapshots = (self.shape[0].ncols() * pod.samples()) as f64;
@@ -549,7 +549,7 @@ mod tests {
         assert_eq!(end % LANES, 0);
     }
 
-    /// In the unit in which the greatest is the greatest integer of one byte.
+    /// In the unit in which the greatest is the greatest integer of one digit.
     fn rounded(values: &[f64]) -> Vec<f64> {
         let unit = values.iter().fold(0.0, |a: f64, x| a.max(x.abs())) / 127.0;
         values.iter().map(|x| unit * (x / unit).round()).collect()
@@ -577,7 +577,7 @@ mod tests {
                 .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)))
             {
                 let row: Vec<f64> = (0..columns).map(|l| slice[(k, l)]).collect();
-                // The columns of two bytes are exact beside those of one.
+                // The columns of two digits are exact beside those of one.
                 let rest = rounded(&row[coarse..]);
                 let error = |(l, j): (usize, usize)| match l.checked_sub(coarse) {
                     Some(m) => (rest[m] - row[l]) * span.parameter_modes[(j, l)],
