@@ -9,8 +9,9 @@ use std::path::Path;
 /// The target of browsers.
 pub const TARGET: &str = "wasm32-unknown-unknown";
 
-/// What rustc assumes of an engine; with more, wasm-opt writes modules that browsers refuse.
-const RUSTC_FEATURES: [&str; 7] = [
+/// What rustc assumes of an engine, and the vectors of .cargo/config.toml; with more, wasm-opt writes modules that browsers
+/// refuse.
+const RUSTC_FEATURES: [&str; 8] = [
     "--enable-bulk-memory",
     "--enable-bulk-memory-opt",
     "--enable-multivalue",
@@ -18,6 +19,7 @@ const RUSTC_FEATURES: [&str; 7] = [
     "--enable-nontrapping-float-to-int",
     "--enable-reference-types",
     "--enable-sign-ext",
+    "--enable-simd",
 ];
 
 /// Builds `explorer/src/wasm/`.
