@@ -7,13 +7,13 @@ use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
 use crate::mechanics::Membrane;
-use crate::model::wire::{Cluster, Errors, Reference};
+use crate::model::wire::{Cluster, Errors, Paper, Reference};
 use crate::model::{MatrixView, Model, apply};
 use crate::motion::{AXIAL_MODES, Motion, Quantity, leading};
 use crate::observables::{Extremes, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
-use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace};
+use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace, scratch};
 use crate::{Domain, Frame, Method, Nodes, Playback, Query, Real, Scene};
 
 /// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
@@ -21,17 +21,24 @@ const NEGLIGIBLE: f32 = 1e-6;
 
 /// Binds a model to a workspace. Cheap to make: what was computed stays in the workspace.
 #[derive(Debug)]
-pub struct Evaluator<'a, T: Real, const K: usize = 129, const M: usize = 16, const N: usize = 32> {
+pub struct Evaluator<
+    'a,
+    T: Real,
+    const K: usize = 129,
+    const M: usize = 16,
+    const N: usize = 32,
+    const S: usize = { scratch(16, 32) },
+> {
     model: &'a Model<'a>,
-    workspace: &'a mut Workspace<T, K, M, N>,
+    workspace: &'a mut Workspace<T, K, M, N, S>,
 }
 
-impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, T, K, M, N> {
+impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Evaluator<'a, T, K, M, N, S> {
     /// Binds a model to a workspace.
     ///
     /// # Errors
     /// [`EvaluateError::Capacity`] if the model does not fit.
-    pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N>) -> Result<Self, EvaluateError> {
+    pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N, S>) -> Result<Self, EvaluateError> {
         let contents = model.contents();
         for cluster in &contents.clusters {
             let field = &cluster.field;
@@ -42,14 +49,26 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             fits("axial modes", field.axial_modes.columns as usize, AXIAL_MODES)?;
         }
         fits("neighbours of the kernel", contents.kernel.neighbours as usize, N)?;
+        Ok(Self { model, workspace })
+    }
+
+    /// Whether the workspace has room for the paper's method.
+    fn fits_the_paper(&self) -> Result<(), EvaluateError> {
+        let contents = self.model.contents();
+        let Paper {
+            neighbours,
+            displacement_rank,
+            velocity_rank,
+            ..
+        } = contents.paper;
+        // At least one, which lets the compiler see that without room for any there is no way on.
+        fits("local displacement modes", (displacement_rank as usize).max(1), M)?;
+        fits("local velocity modes", velocity_rank as usize, M)?;
         fits(
             "neighbours of the diffuse approximation",
-            contents.paper.neighbours as usize,
+            neighbours as usize,
             N.saturating_sub(ridge_rows(contents.metadata.parameters.len())),
-        )?;
-        fits("local displacement modes", contents.paper.displacement_rank as usize, M)?;
-        fits("local velocity modes", contents.paper.velocity_rank as usize, M)?;
-        Ok(Self { model, workspace })
+        )
     }
 
     /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie.
@@ -66,16 +85,17 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
             return Ok(prepared.domain);
         }
         let mut domain = self.judge(query)?;
+        let contents = self.model.contents();
+        let cluster = self.model.cluster(&query.parameters);
+        let cluster = cluster.ok_or(EvaluateError::NotPrepared)?;
+        if query.method == Method::Paper {
+            self.fits_the_paper()?;
+        }
         let workspace = &mut *self.workspace;
         workspace.forget();
-        let contents = self.model.contents();
-        let Some(cluster) = self.model.cluster(&query.parameters) else {
-            return Err(EvaluateError::NotPrepared);
-        };
-        let parameters = &query.parameters;
+        let (parameters, samples) = (&query.parameters, &cluster.samples);
         let coordinates = Coordinates::new(contents);
-        let (samples, scratch) = (&cluster.samples, workspace.scratch.as_flattened_mut());
-        let weights = &mut workspace.weights;
+        let (weights, scratch) = (&mut workspace.weights, &mut workspace.scratch);
         match query.method {
             Method::Direct => weights.kernel(&contents.kernel, &coordinates, samples, parameters, None, scratch)?,
             Method::Paper => weights.diffuse(&contents.paper, &coordinates, samples, parameters, None, scratch)?,
@@ -149,7 +169,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
     ///
     /// # Errors
     /// No query prepared; `t` outside [0, T].
-    pub fn at(&mut self, t: T) -> Result<Instant<'_, 'a, T, K, M, N>, EvaluateError> {
+    pub fn at(&mut self, t: T) -> Result<Instant<'_, 'a, T, K, M, N, S>, EvaluateError> {
         let end_time = self.model.end_time();
         // The end as a caller may write it in another precision counts as the end.
         let end = T::from_f32(end_time);
@@ -210,15 +230,23 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Evaluator<'a, 
 /// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps what the next
 /// may need.
 #[derive(Debug)]
-pub struct Instant<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize> {
+pub struct Instant<
+    'e,
+    'a,
+    T: Real,
+    const K: usize = 129,
+    const M: usize = 16,
+    const N: usize = 32,
+    const S: usize = { scratch(16, 32) },
+> {
     model: &'a Model<'a>,
     cluster: &'a Cluster<'a>,
-    workspace: &'e mut Workspace<T, K, M, N>,
+    workspace: &'e mut Workspace<T, K, M, N, S>,
     query: Query<T>,
     t: T,
 }
 
-impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a, T, K, M, N> {
+impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Instant<'_, 'a, T, K, M, N, S> {
     /// The instant, in l/V.
     pub fn t(&self) -> T {
         self.t
@@ -232,8 +260,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         match self.query.method {
             Method::Direct => true,
             Method::Paper => {
-                let (mut source, dynamics, scratch) = self.learned();
-                (0..pieces).any(|_| dynamics.advance(&mut source, step, t, scratch))
+                let Some((mut source, dynamics, factor)) = self.learned() else {
+                    return true;
+                };
+                (0..pieces).any(|_| dynamics.advance(&mut source, step, t, factor))
             }
         }
     }
@@ -301,7 +331,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         } = &mut *self.workspace;
         let shape = shape(self.model, self.cluster, &self.query, displacement, T::ZERO);
         // What is learned in the scratch is learned when there is a displacement.
-        let (room, _) = scratch.as_flattened_mut().as_chunks_mut::<3>();
+        let (room, _) = scratch.as_chunks_mut();
         let mut sector = room.get_mut(..shape.mesh.sector_nodes().len());
         if let Some(sector) = &mut sector {
             shape.fill_sector(sector)?;
@@ -455,10 +485,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
                 Motion::new(&self.cluster.field, weights, contracted).coefficients(controls, t, quantity, out);
             }
             Method::Paper => {
-                let (mut source, dynamics, scratch) = self.learned();
+                let Some((mut source, dynamics, factor)) = self.learned() else {
+                    return;
+                };
                 match quantity {
-                    Quantity::Displacement => dynamics.displacement(&mut source, step, t, scratch, out),
-                    Quantity::Velocity => dynamics.velocity(&mut source, step, t, scratch, out),
+                    Quantity::Displacement => dynamics.displacement(&mut source, step, t, factor, out),
+                    Quantity::Velocity => dynamics.velocity(&mut source, step, t, factor, out),
                 }
             }
         }
@@ -482,8 +514,11 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
         computed.shape.ready(&modes, count);
     }
 
-    /// What the paper's method works with.
-    fn learned(&mut self) -> (Source<'_, 'a, '_, T, K>, &mut Dynamics<T, M>, &mut Factor<T>) {
+    /// What the paper's method works with; none in a workspace without room for it, where no query is prepared for it.
+    fn learned(&mut self) -> Option<(Source<'_, 'a, '_, T, K>, &mut Dynamics<T, M>, &mut Factor<T>)> {
+        if M == 0 {
+            return None;
+        }
         let Workspace {
             weights,
             contracted,
@@ -492,13 +527,14 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize> Instant<'_, 'a
             scratch,
             ..
         } = &mut *self.workspace;
+        let factor = scratch.as_chunks_mut().0.first_chunk_mut()?;
         let source = Source {
             motion: Motion::new(&self.cluster.field, weights, contracted).leading(PAPER_MODES),
             controls,
             times: Times(self.model.times()),
             settings: &self.model.contents().paper,
         };
-        (source, dynamics, scratch)
+        Some((source, dynamics, factor))
     }
 
     /// The surface at this instant.

@@ -46,10 +46,10 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
     }
 
     /// Positions of all nodes at `t`.
-    pub(crate) fn positions<const K: usize, const M: usize, const N: usize>(
+    pub(crate) fn positions<const K: usize, const M: usize, const N: usize, const S: usize>(
         &mut self,
         model: &Model<'_>,
-        workspace: &mut Workspace<T, K, M, N>,
+        workspace: &mut Workspace<T, K, M, N, S>,
         prepared: Prepared<T>,
         [t, translation]: [T; 2],
         out: &mut [[T; 3]],

@@ -2,7 +2,7 @@
 
 use crate::dynamics::Dynamics;
 use crate::interpolate::Weights;
-use crate::linalg::LANES;
+use crate::linalg::{LANES, MOST_COLUMNS};
 use crate::model::Vectors;
 use crate::motion::{Contracted, Controls};
 use crate::{Domain, Query, Real};
@@ -10,13 +10,27 @@ use crate::{Domain, Query, Real};
 /// Storage for one query at a time; const-constructible, so that it can be a `static`. It keeps what was computed, so
 /// that nothing is computed twice as long as the query stays.
 ///
-/// Capacities: `K` modes (K, translation included, and K_c), at most 256, `M` local modes (m_u, m_v), `N` samples that take part in a
-/// query, at most 48.
+/// Capacities: `K` modes (K, translation included, and K_c), at most 256, `M` local modes (m_u, m_v), `N` samples that take part
+/// in a query, and `S` numbers of scratch: at least [`scratch`] of `M` and `N`. With `M` = 0
+/// [`Method::Paper`](crate::Method::Paper) is refused, and neither its storage nor its code is there:
+///
+/// ```
+/// use capsule_core::{Workspace, scratch};
+///
+/// type Direct = Workspace<f32, 129, 0, 16, { scratch(0, 16) }>;
+/// assert!(size_of::<Direct>() < size_of::<Workspace<f32>>() / 2);
+/// ```
 ///
 /// In this order, what is small lies before what is large: a Cortex-M reaches the first 4 KiB in one instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub struct Workspace<T: Real, const K: usize = 129, const M: usize = 16, const N: usize = 32> {
+pub struct Workspace<
+    T: Real,
+    const K: usize = 129,
+    const M: usize = 16,
+    const N: usize = 32,
+    const S: usize = { scratch(16, 32) },
+> {
     pub(crate) prepared: Option<Prepared<T>>,
     pub(crate) weights: Weights<T, N>,
     pub(crate) displacement: Coefficients<T, K>,
@@ -25,7 +39,7 @@ pub struct Workspace<T: Real, const K: usize = 129, const M: usize = 16, const N
     pub(crate) dynamics: Dynamics<T, M>,
     pub(crate) controls: Controls<T, K>,
     /// Room for one thing at a time: the interpolation, then the snapshots' factor of either field.
-    pub(crate) scratch: Factor<T>,
+    pub(crate) scratch: [T; S],
 }
 
 /// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error,
@@ -38,6 +52,13 @@ pub(crate) const SNAPSHOTS: usize = 64;
 
 /// The most modes: twice as many digits, each at most 128 times the greatest factor of singles, 32,767, are a sum below 2^31.
 const MOST_MODES: usize = 256;
+
+/// Numbers of scratch that a [`Workspace`] of `M` local modes and `N` samples needs.
+pub const fn scratch(local_modes: usize, neighbours: usize) -> usize {
+    let interpolation = (MOST_COLUMNS + neighbours) * neighbours;
+    let factor = if local_modes > 0 { PAPER_ROW * SNAPSHOTS } else { 0 };
+    if interpolation > factor { interpolation } else { factor }
+}
 
 /// The factor of the snapshots.
 pub(crate) type Factor<T> = [[T; PAPER_ROW]; SNAPSHOTS];
@@ -66,19 +87,16 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
     };
 }
 
-impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M, N> {
+impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Workspace<T, K, M, N, S> {
     /// An empty workspace.
     pub const fn new() -> Self {
         const {
-            assert!(
-                Weights::<T, N>::SCRATCH <= PAPER_ROW * SNAPSHOTS,
-                "the interpolation must fit into the scratch"
-            );
+            assert!(S >= scratch(M, N), "the work must fit into the scratch");
             assert!(K <= MOST_MODES, "sums of products must not overflow")
         };
         Self {
             prepared: None,
-            scratch: [[T::ZERO; PAPER_ROW]; SNAPSHOTS],
+            scratch: [T::ZERO; S],
             weights: Weights::EMPTY,
             contracted: Contracted::EMPTY,
             controls: Controls::EMPTY,
@@ -98,7 +116,7 @@ impl<T: Real, const K: usize, const M: usize, const N: usize> Workspace<T, K, M,
     }
 }
 
-impl<T: Real, const K: usize, const M: usize, const N: usize> Default for Workspace<T, K, M, N> {
+impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Default for Workspace<T, K, M, N, S> {
     fn default() -> Self {
         Self::new()
     }

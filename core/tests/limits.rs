@@ -4,7 +4,7 @@ mod common;
 
 use capsule_core::error::{EvaluateError, OpenError};
 use capsule_core::model::wire::{Contents, Matrix};
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace};
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace, scratch};
 use common::{Arena, Family, distance, write};
 
 /// A model that needs 15 parameter modes, 4 local modes and 15 neighbours: for the paper's method 12 and the ridge's 3
@@ -54,6 +54,32 @@ fn answers<const K: usize, const M: usize, const N: usize>(file: &[u8]) -> Resul
     Ok(bits)
 }
 
+/// Bits of everything that the direct method answers at an instant.
+fn direct<const K: usize, const M: usize, const N: usize, const S: usize>(file: &[u8]) -> Vec<u32> {
+    let model = Model::open(file).unwrap();
+    let mut workspace = Workspace::<f32, K, M, N, S>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    evaluator.prepare(&Query::new([0.05, 0.87], Method::Direct)).unwrap();
+    let mut instant = evaluator.at(2.3).unwrap();
+    let mut vectors = vec![[0.0; 3]; model.mesh().nodes()];
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mut numbers = vec![
+        instant.volume().unwrap(),
+        instant.centroid_velocity(),
+        instant.error_bound(),
+    ];
+    instant.positions(&scene, &mut vectors).unwrap();
+    numbers.extend(vectors.as_flattened());
+    instant.velocities(&scene, &mut vectors).unwrap();
+    numbers.extend(vectors.as_flattened());
+    let totals = instant.membrane(&mut vectors).unwrap().totals().unwrap();
+    numbers.extend([totals.area, totals.energy, totals.pressure_drop]);
+    numbers.into_iter().map(f32::to_bits).collect()
+}
+
 /// The limit that a workspace is too small for, by one.
 fn lacks<const K: usize, const M: usize, const N: usize>(limit: &str, file: &[u8]) {
     match answers::<K, M, N>(file) {
@@ -83,6 +109,14 @@ fn a_model_that_is_one_too_large_is_refused() {
     needs("local displacement modes", |c| c.paper.displacement_rank = 5);
     needs("local velocity modes", |c| c.paper.velocity_rank = 5);
     lacks::<15, 3, 15>("local displacement modes", &modest(|_| ()));
+}
+
+#[test]
+fn without_local_modes_the_direct_method_answers_as_ever_and_the_other_is_refused() {
+    let file = modest(|_| ());
+    let all = direct::<129, 16, 32, { scratch(16, 32) }>(&file);
+    assert_eq!(direct::<15, 0, 15, { scratch(0, 15) }>(&file), all);
+    lacks::<15, 0, 15>("local displacement modes", &modest(|c| c.paper.displacement_rank = 1));
 }
 
 /// Two samples of a family, closer and closer to each other, and a query between them: the greatest error of a position.

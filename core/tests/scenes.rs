@@ -13,7 +13,7 @@ const PARAMETERS: [f64; 2] = [0.05, 0.97];
 const T: f64 = 2.0;
 
 /// Runs a check at one instant of one query.
-fn at_instant(method: Method, check: impl Fn(&Family, &Model<'_>, capsule_core::Instant<'_, '_, f64, 129, 16, 32>)) {
+fn at_instant(method: Method, check: impl Fn(&Family, &Model<'_>, capsule_core::Instant<'_, '_, f64>)) {
     let family = Family::new(4);
     let file = family.file();
     let model = Model::open(&file).unwrap();

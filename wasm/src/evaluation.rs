@@ -170,7 +170,7 @@ impl Evaluation {
     /// Puts a question to the core about the current query and instant.
     fn ask<A>(
         &mut self,
-        question: impl FnOnce(&mut Instant<'_, '_, f32, 129, 16, 32>) -> Result<A, EvaluateError>,
+        question: impl FnOnce(&mut Instant<'_, '_, f32>) -> Result<A, EvaluateError>,
     ) -> Result<A, JsError> {
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
         evaluator.prepare(&self.query)?;

@@ -8,7 +8,7 @@
 
 use crate::error::{Error, Failed};
 use crate::memory::{Buffer, Bytes, Place, check, spare};
-use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS};
+use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS, SCRATCH};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
 use capsule_core::{Evaluator, Nodes, Scene};
@@ -16,7 +16,7 @@ use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
 
 /// cbindgen:ignore
-type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
+type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS, SCRATCH>;
 
 /// What a call does; why it fails it writes into the error. The vtable of a closure would hold its body twice, for
 /// [`FnMut`] and for [`FnOnce`].

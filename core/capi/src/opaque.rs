@@ -9,12 +9,20 @@ use core::ptr::NonNull;
 /// The most modes of a field that a workspace holds, the translation included.
 pub const MOST_MODES: usize = 129;
 /// The most local modes of a field that a workspace holds.
+#[cfg(not(feature = "direct"))]
 pub const MOST_LOCAL_MODES: usize = 16;
+/// None, as the library is without the paper's method.
+#[cfg(feature = "direct")]
+pub const MOST_LOCAL_MODES: usize = 0;
 /// The most samples that take part in a query.
 pub const MOST_NEIGHBOURS: usize = 32;
 
 /// Words of eight bytes in a workspace.
+#[cfg(not(feature = "direct"))]
 pub const WORKSPACE_WORDS: usize = 3407;
+/// Words of eight bytes in a workspace.
+#[cfg(feature = "direct")]
+pub const WORKSPACE_WORDS: usize = 1575;
 /// Bytes of a workspace.
 pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
 /// Alignment of a workspace.
@@ -41,7 +49,9 @@ pub struct Workspace {
 }
 
 /// cbindgen:ignore
-pub(crate) type CoreWorkspace = rom::Workspace<f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS>;
+pub(crate) const SCRATCH: usize = rom::scratch(MOST_LOCAL_MODES, MOST_NEIGHBOURS);
+/// cbindgen:ignore
+pub(crate) type CoreWorkspace = rom::Workspace<f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS, SCRATCH>;
 
 /// An opaque object of the interface, and what it holds. The tag tells memory that was set up from memory that was not.
 pub(crate) trait Opaque: Sized {

@@ -11,6 +11,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const EXAMPLES: [&str; 4] = ["quick_start", "instrument", "two_models", "slices"];
+/// The libraries: with both methods, and without the paper's.
+const LIBRARIES: [&str; 2] = ["lib/libcapsule.a", "lib/libcapsule_direct.a"];
+/// What a program for the second says.
+const DIRECT: &str = "-DCAPSULE_DIRECT";
 const STRICT: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
 /// A Cortex-M, its compiler's words and its board.
@@ -58,6 +62,21 @@ fn run(command: &mut Command) -> String {
 
 /// Builds an example of a package; returns the program.
 fn build(compiler: &str, options: &[&str], package: &Path, example: &str, name: &str, last: &[PathBuf]) -> PathBuf {
+    let [both, direct] = LIBRARIES;
+    let library = if options.contains(&DIRECT) { direct } else { both };
+    build_with(library, compiler, options, package, example, name, last)
+}
+
+/// Builds an example of a package with a library.
+fn build_with(
+    library: &str,
+    compiler: &str,
+    options: &[&str],
+    package: &Path,
+    example: &str,
+    name: &str,
+    last: &[PathBuf],
+) -> PathBuf {
     // A second model that is not the first.
     let second = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("family-{name}-{example}.crom"));
     std::fs::write(&second, common::Family::new(3).file()).unwrap();
@@ -70,7 +89,7 @@ fn build(compiler: &str, options: &[&str], package: &Path, example: &str, name: 
         .arg(format!("-DSECOND_MODEL=\"{}\"", second.display()))
         .args([format!("examples/{example}.c"), "examples/model.S".to_owned()].map(|file| package.join(file)))
         .args(last)
-        .arg(package.join("lib/libcapsule.a"))
+        .arg(package.join(library))
         .arg("-Wl,--gc-sections")
         .arg("-o")
         .arg(&program));
@@ -129,6 +148,32 @@ fn sanitizers_find_nothing() {
 }
 
 #[test]
+fn without_the_paper_s_method_the_rest_is_the_same() {
+    let [both, _] = LIBRARIES;
+    let quick_start = on_host("gcc", &["-O2", DIRECT], "quick_start", "direct");
+    assert_eq!(
+        run(&mut Command::new(quick_start)),
+        said("quick_start", "beside-direct")
+    );
+    // The example asks for the paper's method.
+    let slices = on_host("gcc", &["-O2", DIRECT], "slices", "direct");
+    let refused = Command::new(slices).output().unwrap();
+    let text = [refused.stdout, refused.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
+    assert!(
+        !refused.status.success() && text.contains("local displacement modes"),
+        "{text}"
+    );
+    // A workspace for the one library is too small for the other, which says so.
+    let package = package("CAPSULE_HOST_PACKAGE");
+    let mixed = build_with(both, "gcc", &["-O2", DIRECT], &package, "quick_start", "mixed", &[]);
+    let refused = Command::new(mixed).output().unwrap();
+    let text = [refused.stdout, refused.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
+    assert!(!refused.status.success() && text.contains("12600"), "{text}");
+}
+
+#[test]
 fn the_header_is_good_for_other_languages() {
     let include = format!("-I{}", package("CAPSULE_HOST_PACKAGE").join("include").display());
     let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header.inc");
@@ -168,8 +213,10 @@ fn a_microcontroller_says_the_same() {
         ];
         let external = format!("-Wl,--defsym=EXTERNAL={external}");
         let start = [external.into(), package.join("examples/cortex-m/start.c")];
-        for example in EXAMPLES {
-            let program = build("arm-none-eabi-gcc", &options, &package, example, cpu, &start);
+        let direct = [&options[..], &[DIRECT]].concat();
+        let examples = EXAMPLES.map(|example| (example, &options[..]));
+        for (example, options) in examples.into_iter().chain([("quick_start", &direct[..])]) {
+            let program = build("arm-none-eabi-gcc", options, &package, example, cpu, &start);
             let printed = run(Command::new("qemu-system-arm")
                 .args([
                     "-M", machine, "-cpu", cpu, "-display", "none", "-serial", "none", "-monitor", "none",

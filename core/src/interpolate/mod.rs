@@ -10,6 +10,7 @@ use crate::error::EvaluateError;
 use crate::linalg::{MOST_COLUMNS, part, part_mut};
 use crate::model::Curve;
 use crate::model::wire::{MAX_PARAMETERS, Matrix};
+use crate::workspace::scratch;
 pub use coordinates::Coordinates;
 pub(crate) use diffuse::{ridge_rows, weight};
 use neighbours::Nearest;
@@ -84,7 +85,7 @@ impl<T: Real> Search<'_, '_, T> {
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Numbers that the computation needs beside the weights: the monomials' columns and the kernel's matrix.
-    pub const SCRATCH: usize = (MOST_COLUMNS + N) * N;
+    pub const SCRATCH: usize = scratch(0, N);
 
     /// No weights.
     pub const EMPTY: Self = Self {

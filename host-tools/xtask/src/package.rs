@@ -9,6 +9,24 @@ use std::path::{Path, PathBuf};
 /// Cortex-M4F; the library runs on a Cortex-M7 too.
 pub const CORTEX_M: &str = "thumbv7em-none-eabihf";
 
+/// A static library of the interface.
+pub struct Library {
+    /// Its file.
+    pub name: &'static str,
+    features: &'static str,
+}
+
+/// With both methods.
+pub const FULL: Library = Library {
+    name: "libcapsule.a",
+    features: "standalone",
+};
+/// Without the paper's method.
+pub const DIRECT: Library = Library {
+    name: "libcapsule_direct.a",
+    features: "standalone,direct",
+};
+
 /// Builds the archives of this machine and of Cortex-M.
 pub fn package() -> Result<()> {
     for target in [host()?, CORTEX_M.to_owned()] {
@@ -30,7 +48,9 @@ pub fn folder(target: &str) -> Result<PathBuf> {
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| format!("could not remove {}", folder.display()))?;
     }
-    copy(&library(target)?, &folder.join("lib/libcapsule.a"))?;
+    for library in [FULL, DIRECT] {
+        copy(&build(&library, target)?, &folder.join("lib").join(library.name))?;
+    }
     copy(&header::path(), &folder.join("include/capsule.h"))?;
     copy(&source.join("README.md"), &folder.join("README.md"))?;
     copy(&root().join("models/capsule.crom"), &folder.join("models/capsule.crom"))?;
@@ -45,20 +65,21 @@ pub fn folder(target: &str) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Builds the static library for a target.
-fn library(target: &str) -> Result<PathBuf> {
+/// Builds a static library for a target.
+fn build(library: &Library, target: &str) -> Result<PathBuf> {
     let cpu = if target == CORTEX_M { "cortex-m4" } else { "generic" };
-    interface(target, "staticlib", &format!("-C target-cpu={cpu}"))?;
+    interface(library, target, "staticlib", &format!("-C target-cpu={cpu}"))?;
     Ok(target_directory().join(target).join("embedded/libcapsule_capi.a"))
 }
 
 /// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a Cortex-M4F that
 /// takes 2 % less code than its own limit for size.
-pub fn interface(target: &str, crate_type: &str, flags: &str) -> Result<()> {
+pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
     setup::rust_target(target)?;
     run(&mut command(&format!(
-        "cargo rustc --quiet --package capsule-capi --crate-type {crate_type} --features standalone --profile embedded \
-         --target {target} -- -C llvm-args=-inline-threshold=7 {flags}"
+        "cargo rustc --quiet --package capsule-capi --crate-type {crate_type} --features {} --profile embedded \
+         --target {target} -- -C llvm-args=-inline-threshold=7 {flags}",
+        library.features
     )))
 }
 
