@@ -37,7 +37,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// Binds a model to a workspace.
     ///
     /// # Errors
-    /// [`EvaluateError::Capacity`] if the model does not fit.
+    /// [`EvaluateError::Capacity`] if the model does not fit; whether it does for [`Method::Paper`] is asked when that is.
     pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N, S>) -> Result<Self, EvaluateError> {
         let contents = model.contents();
         for cluster in &contents.clusters {
@@ -75,7 +75,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     ///
     /// # Errors
     /// Parameters that are not as many as the model's or not finite (Ca and a/l: not positive), or outside the domain
-    /// without `extrapolate`; a step that is not in its range.
+    /// without `extrapolate`; a step that is not in its range; [`Method::Paper`] in a workspace that is too small for it.
     pub fn prepare(&mut self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         let digest = self.model.digest();
         if let Some(prepared) = &self.workspace.prepared

@@ -113,7 +113,8 @@ fn a_model_that_does_not_fit_is_refused_with_the_figures() {
     let file = Family::new(2).file();
     let model = Model::open(&file).unwrap();
     let mut small = Workspace::<f32, 32, 4, 32>::new();
-    let error = Evaluator::new(&model, &mut small).unwrap_err();
+    let mut evaluator = Evaluator::new(&model, &mut small).unwrap();
+    let error = evaluator.prepare(&Query::new([0.05, 0.8], Method::Paper)).unwrap_err();
     assert_eq!(
         error,
         EvaluateError::Capacity {
@@ -138,7 +139,10 @@ fn a_model_that_does_not_fit_is_refused_with_the_figures() {
             .contains("24 neighbours of the kernel, the workspace holds 20")
     );
     let mut fitting = Workspace::<f32, 24, 10, 24>::new();
-    assert!(Evaluator::new(&model, &mut fitting).is_ok());
+    let mut evaluator = Evaluator::new(&model, &mut fitting).unwrap();
+    for method in [Method::Direct, Method::Paper] {
+        assert!(evaluator.prepare(&Query::new([0.05, 0.8], method)).is_ok());
+    }
 }
 
 #[test]

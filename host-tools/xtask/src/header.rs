@@ -24,7 +24,7 @@ const INTRODUCTION: &str = "\
    else it is filled with the figures of the failure (on success too), unless a pointer overlaps or `error` itself is
    misaligned. Pointers may not be null unless it is said; null, misaligned, short and overlapping ones are refused.
 
-   libcapsule_direct.a is without the paper's method, in half the workspace and three quarters of the code. A program that
+   libcapsule_direct.a is without the paper's method, in half the workspace and four fifths of the code. A program that
    links it defines CAPSULE_DIRECT before it includes this.
 
    A model file's bytes stay where they are, unchanged, as long as its model is used. Calls that share a model only may

@@ -1,23 +1,39 @@
 //! Settings of both methods, on the model as it is: a model file is written again with other settings in it.
 
-use capsule_core::model::encode;
-use capsule_core::model::wire::Contents;
+use capsule_core::interpolate::Coordinates;
+use capsule_core::model::wire::{Contents, Samples};
+use capsule_core::model::{MatrixView, encode};
 use capsule_core::{Method, Model, Query, Scheme};
+use capsule_offline::PlacedSamples;
 
 use super::Row;
 use super::truth::{Truth, errors};
 use crate::StudyError;
 
-/// The model file with other settings.
+/// The model file with other settings, and its samples where these place them.
 pub(crate) fn changed(model: &Model, change: impl FnOnce(&mut Contents)) -> Result<Vec<u8>, StudyError> {
     /// Headroom over what the file is likely to take.
     const LONGEST: usize = 64 << 20;
+    let placed: Vec<PlacedSamples>;
     let mut contents = model.contents().clone();
     change(&mut contents);
+    let coordinates = Coordinates::new(&contents);
+    let clusters = contents.clusters.iter();
+    placed = clusters.map(|cluster| place(&cluster.samples, &coordinates)).collect();
+    for (cluster, placed) in contents.clusters.iter_mut().zip(&placed) {
+        cluster.samples = placed.samples();
+    }
     let mut bytes = vec![0; LONGEST];
     let length = encode(&contents, &mut bytes)?;
     bytes.truncate(length);
     Ok(bytes)
+}
+
+fn place(samples: &Samples, coordinates: &Coordinates) -> PlacedSamples {
+    let parameters = MatrixView::new(&samples.parameters);
+    let row = |row| (0..parameters.columns()).map(move |column| parameters.get(row, column));
+    let rows: Vec<Vec<f32>> = (0..parameters.rows()).map(|index| row(index).collect()).collect();
+    PlacedSamples::new(rows.iter().map(Vec::as_slice), coordinates)
 }
 
 const SCHEMES: [(Scheme, &str); 3] = [
@@ -126,4 +142,28 @@ pub(crate) fn rows(model: &Model, truths: &[Truth], quick: bool) -> Result<Vec<R
         }
     }
     Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_is_its_own_answer_whatever_the_settings() {
+        let file = include_bytes!("../../../../models/capsule.crom");
+        let model = Model::open(file).unwrap();
+        assert_eq!(changed(&model, |_| ()).unwrap(), file);
+        let samples = MatrixView::new(&model.contents().clusters[0].samples.parameters);
+        let sample = [samples.get(100, 0), samples.get(100, 1)];
+        let length = |file: &[u8]| {
+            let model = Model::open(file).unwrap();
+            let mut workspace = capsule_core::Workspace::<f32>::new();
+            let mut evaluator = capsule_core::Evaluator::new(&model, &mut workspace).unwrap();
+            evaluator.prepare(&Query::new(sample, Method::Direct)).unwrap();
+            evaluator.at(2.0).unwrap().observables().unwrap().axial_length
+        };
+        let stretched = changed(&model, |contents| contents.kernel.scales[0] = 3.0).unwrap();
+        let (expected, found) = (length(file), length(&stretched));
+        assert!((found - expected).abs() < 1e-4, "{found}, not {expected}");
+    }
 }
