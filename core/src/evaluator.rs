@@ -10,7 +10,7 @@ use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, Paper, Reference};
 use crate::model::{MatrixView, Model, apply};
 use crate::motion::{AXIAL_MODES, Motion, Quantity, leading};
-use crate::observables::{Extremes, Observables};
+use crate::observables::{Lengths, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
 use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace, scratch};
@@ -306,15 +306,15 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     pub fn observables(&mut self) -> Result<Observables<T>, EvaluateError> {
         let centroid = self.centroid();
         let velocity = self.centroid_velocity();
-        if !(centroid.is_finite() && velocity.is_finite()) {
+        if !(centroid + velocity).is_finite() {
             return Err(EvaluateError::NotFinite);
         }
-        let extremes = Extremes::new(self.model, &self.shape(Frame::Centroid))?;
+        let lengths = Lengths::new(self.model, &self.shape(Frame::Centroid))?;
         Ok(Observables {
-            axial_length: extremes.front - extremes.rear,
-            half_width: extremes.half_width,
-            half_diagonal: extremes.half_diagonal,
-            rear_depth: extremes.rear_pole - extremes.rear,
+            axial_length: lengths.axial_length,
+            half_width: lengths.half_width,
+            half_diagonal: lengths.half_diagonal,
+            rear_depth: lengths.rear_depth,
             velocity,
             centroid,
         })

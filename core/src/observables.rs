@@ -26,16 +26,15 @@ pub struct Observables<T> {
     pub centroid: T,
 }
 
-/// Extremes of the two outlines.
-pub(crate) struct Extremes<T> {
-    pub(crate) front: T,
-    pub(crate) rear: T,
-    pub(crate) rear_pole: T,
+/// The lengths among them.
+pub(crate) struct Lengths<T> {
+    pub(crate) axial_length: T,
+    pub(crate) rear_depth: T,
     pub(crate) half_width: T,
     pub(crate) half_diagonal: T,
 }
 
-impl<T: Real> Extremes<T> {
+impl<T: Real> Lengths<T> {
     /// Reconstructs the nodes of the outlines, or all, one at a time.
     #[inline(never)]
     pub(crate) fn new(model: &Model<'_>, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
@@ -46,10 +45,21 @@ impl<T: Real> Extremes<T> {
         let diagonal = Outline::new(diagonal, Plane::Diagonal, snapshot)?;
         let [front, back, half_width] = midplane.extremes();
         let [other_front, other_back, half_diagonal] = diagonal.extremes();
+        let axial = [front.max(other_front), -back.max(other_back), midplane.rear_pole];
+        Self::between(axial, half_width, half_diagonal)
+    }
+
+    /// From the foremost place on the axis, the rearmost one and the rear pole. Between places that are finite it may be
+    /// farther than a number says.
+    #[inline(never)]
+    fn between([front, rear, rear_pole]: [T; 3], half_width: T, half_diagonal: T) -> Result<Self, EvaluateError> {
+        let (axial_length, rear_depth) = (front - rear, rear_pole - rear);
+        if !(axial_length + rear_depth + half_width + half_diagonal).is_finite() {
+            return Err(EvaluateError::NotFinite);
+        }
         Ok(Self {
-            front: front.max(other_front),
-            rear: -back.max(other_back),
-            rear_pole: midplane.rear_pole,
+            axial_length,
+            rear_depth,
             half_width,
             half_diagonal,
         })
@@ -84,13 +94,8 @@ impl<T: Real> Extremes<T> {
             }
         }
         let half_extent = |[least, greatest]: [T; 2]| half * (greatest - least);
-        Ok(Self {
-            front,
-            rear,
-            rear_pole: if rear_pole < infinity { rear_pole } else { rear },
-            half_width: half_extent(y),
-            half_diagonal: half_extent(diagonal),
-        })
+        let rear_pole = if rear_pole < infinity { rear_pole } else { rear };
+        Self::between([front, rear, rear_pole], half_extent(y), half_extent(diagonal))
     }
 }
 

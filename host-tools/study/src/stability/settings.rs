@@ -14,12 +14,12 @@ use crate::StudyError;
 pub(crate) fn changed(model: &Model, change: impl FnOnce(&mut Contents)) -> Result<Vec<u8>, StudyError> {
     /// Headroom over what the file is likely to take.
     const LONGEST: usize = 64 << 20;
-    let placed: Vec<PlacedSamples>;
     let mut contents = model.contents().clone();
     change(&mut contents);
     let coordinates = Coordinates::new(&contents);
     let clusters = contents.clusters.iter();
-    placed = clusters.map(|cluster| place(&cluster.samples, &coordinates)).collect();
+    let placed: Vec<PlacedSamples> = clusters.map(|cluster| place(&cluster.samples, &coordinates)).collect();
+    let mut contents = contents;
     for (cluster, placed) in contents.clusters.iter_mut().zip(&placed) {
         cluster.samples = placed.samples();
     }
