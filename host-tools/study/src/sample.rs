@@ -196,8 +196,8 @@ pub struct Replayed {
 }
 
 /// Chooses a design anew out of a database that is there: starts with every `start`-th sample, adds `batch` at a time
-/// where the model so far expects to err most, up to `most` samples, and compares each with a test set; and the paper's
-/// grid for comparison.
+/// where the model so far expects to err most in its domain, up to `most` samples, and compares each with a test set; and
+/// the paper's grid for comparison.
 ///
 /// Modes, steady limit and border are those of the whole database for all designs.
 ///
@@ -232,8 +232,11 @@ pub fn replay(
         let mut estimator = Estimator::new(&model, until);
         for _ in 0..batch.min(most - chosen.len()) {
             let left = (0..samples.len()).filter(|j| !chosen.contains(j));
-            let left: Vec<(usize, Parameters<f64>)> =
-                left.filter_map(|j| Some((j, Parameters::new(samples[j])?))).collect();
+            // The domain is what is asked for; around it an estimate is an extrapolation, and always greater.
+            let left: Vec<(usize, Parameters<f64>)> = left
+                .filter_map(|j| Some((j, Parameters::new(samples[j])?)))
+                .filter(|(_, parameters)| model.domain(*parameters) == Domain::Inside)
+                .collect();
             let candidates: Vec<Parameters<f64>> = left.iter().map(|(_, parameters)| *parameters).collect();
             let suggestion = estimator.add_worst(&candidates)?;
             chosen.extend(
