@@ -305,7 +305,7 @@ fn absorb<T: Real>(factor: &mut [[T; PAPER_ROW]], snapshot: &mut [T]) {
         }
         let largest = a.abs().max(b.abs());
         let (p, q) = (a / largest, b / largest);
-        let scale = T::ONE / (p * p + q * q).quick_sqrt();
+        let scale = T::ONE / (p * p + q * q).sqrt();
         let (cosine, sine) = (p * scale, q * scale);
         for (r, x) in row.iter_mut().zip(snapshot) {
             (*r, *x) = (cosine * *r + sine * *x, cosine * *x - sine * *r);

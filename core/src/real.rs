@@ -74,10 +74,6 @@ pub trait Real:
     fn to_index(self) -> usize;
     /// The correctly rounded square root.
     fn sqrt(self) -> Self;
-    /// The square root of a number that is not negative but for a few units in the last place.
-    fn quick_sqrt(self) -> Self {
-        self.sqrt()
-    }
     /// e to the power of the number.
     fn exp(self) -> Self;
     /// Whether it is neither infinite nor a NaN.
@@ -102,7 +98,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($scalar:ident, $whole:ident, $sqrt:path, $quick_sqrt:path, $exp:path, { $($products:tt)* }) => {
+    ($scalar:ident, $whole:ident, $sqrt:path, $exp:path, { $($products:tt)* }) => {
         impl Real for $scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -138,9 +134,6 @@ macro_rules! real {
             fn sqrt(self) -> Self {
                 $sqrt(self)
             }
-            fn quick_sqrt(self) -> Self {
-                $quick_sqrt(self)
-            }
             fn exp(self) -> Self {
                 $exp(self)
             }
@@ -154,7 +147,7 @@ macro_rules! real {
     };
 }
 
-real!(f32, i32, libm::sqrtf, newton, libm::expf, {
+real!(f32, i32, capsule_dsp::sqrt, libm::expf, {
     type Pair = u32;
     const NO_PAIR: u32 = 0;
     const GREATEST_FACTOR: f32 = 32767.0;
@@ -179,7 +172,7 @@ real!(f32, i32, libm::sqrtf, newton, libm::expf, {
         multiply_singles(panels, pairs, units, products);
     }
 });
-real!(f64, i64, libm::sqrt, libm::sqrt, libm::exp, {
+real!(f64, i64, libm::sqrt, libm::exp, {
     type Pair = [i64; 2];
     const NO_PAIR: [i64; 2] = [0; 2];
     const GREATEST_FACTOR: f64 = (1_u64 << 46) as f64;
@@ -198,30 +191,3 @@ real!(f64, i64, libm::sqrt, libm::sqrt, libm::exp, {
         [add(p, a, c), add(q, b, d)]
     }
 });
-
-/// x / sqrt(x) by three of Newton's steps from a guess in the bits: a quarter of the instructions that a correctly rounded
-/// root takes a Cortex-M, whose own no safe code reaches.
-fn newton(x: f32) -> f32 {
-    let half = 0.5 * x;
-    let guess = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
-    let step = |y: f32| y * (1.5 - half * y * y);
-    x * step(step(step(guess)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn newton_s_root_is_the_root_but_for_units_in_the_last_place() {
-        let mut x = 1e-30_f32;
-        while x < 1e30 {
-            let exact = f64::from(x).sqrt();
-            let error = (f64::from(newton(x)) - exact).abs() / exact;
-            assert!(error < 3.0 * f64::from(f32::EPSILON), "{x:e}: {error:e}");
-            x *= 1.0173;
-        }
-        assert_eq!(newton(0.0), 0.0);
-        assert!(newton(f32::NAN).is_nan());
-    }
-}

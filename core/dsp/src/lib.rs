@@ -1,10 +1,41 @@
-//! Products of pairs of small integers.
+//! Products of pairs of small integers, and square roots.
 //!
 //! A Cortex-M4 or M7 multiplies two pairs of halfwords and adds both products in one instruction, which the compiler does not
-//! use of itself. The instructions read and write registers only; elsewhere the same is said in Rust. This is the one place
-//! of the online stage that needs `unsafe`, so it is a crate of its own, and what it exports is safe.
+//! use of itself, and has one for the square root, which `core` does not offer. The instructions read and write registers
+//! only; elsewhere the same is said in Rust. This is the one place of the online stage that needs `unsafe`, so it is a crate of
+//! its own, and what it exports is safe.
 
 #![no_std]
+
+/// The correctly rounded square root.
+#[inline(always)]
+pub fn sqrt(x: f32) -> f32 {
+    root(x)
+}
+
+/// The argument comes in the register of the result. (A function of its own, because the compiler takes no operands of the
+/// floating-point unit here.)
+#[cfg(all(armv7e_m, target_abi = "eabihf"))]
+#[unsafe(naked)]
+extern "C" fn root(x: f32) -> f32 {
+    core::arch::naked_asm!(".fpu fpv4-sp-d16", "vsqrt.f32 s0, s0", "bx lr")
+}
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+#[inline(always)]
+fn root(x: f32) -> f32 {
+    use core::arch::wasm32::{f32x4_extract_lane, f32x4_splat, f32x4_sqrt};
+    f32x4_extract_lane::<0>(f32x4_sqrt(f32x4_splat(x)))
+}
+
+#[cfg(not(any(
+    all(armv7e_m, target_abi = "eabihf"),
+    all(target_arch = "wasm32", target_feature = "simd128")
+)))]
+#[inline(always)]
+fn root(x: f32) -> f32 {
+    libm::sqrtf(x)
+}
 
 /// sums <- sums + entries times factors, for two rows of two columns: `entries` are those of the first column, then those of
 /// the second. The factors are the low and the high half of `pair`. Sums that overflow wrap.

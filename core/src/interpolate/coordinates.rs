@@ -49,8 +49,8 @@ impl<'a> Coordinates<'a> {
         if let Some(limit) = self.limit {
             let limit = limit.at(parameters.get(1)).unwrap_or(T::ONE);
             let scale = T::from_f64(self.scales[0]);
-            let stretched = scale * scale * parameters.get(0).max(T::ZERO) / limit.quick_sqrt().quick_sqrt();
-            place[0] = stretched.quick_sqrt();
+            let stretched = scale * scale * parameters.get(0).max(T::ZERO) / limit.sqrt().sqrt();
+            place[0] = stretched.sqrt();
         }
         place
     }

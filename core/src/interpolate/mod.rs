@@ -294,7 +294,7 @@ impl<'s, T: Real, const N: usize> Storage<'s, T, N> {
 /// Polyharmonic kernel of the square of a distance that is positive definite, in any dimension, on weights that annihilate
 /// polynomials of a degree: -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
 fn covariance<T: Real>(degree: usize, square: T) -> T {
-    (0..degree).fold(-square.quick_sqrt(), |value, _| -(value * square))
+    (0..degree).fold(-square.sqrt(), |value, _| -(value * square))
 }
 
 /// Square of the length of a vector of parameters. Written out as the next two: optimised for size, it would be a loop.

@@ -69,9 +69,9 @@ impl<T: Real> Rotations<T> {
             return false;
         }
         let zeta = (b - a) / (product + product);
-        let tangent = T::ONE / (zeta.abs() + (T::ONE + zeta * zeta).quick_sqrt());
+        let tangent = T::ONE / (zeta.abs() + (T::ONE + zeta * zeta).sqrt());
         let tangent = if zeta < T::ZERO { -tangent } else { tangent };
-        let cosine = T::ONE / (T::ONE + tangent * tangent).quick_sqrt();
+        let cosine = T::ONE / (T::ONE + tangent * tangent).sqrt();
         let sine = cosine * tangent;
         *square += tangent * product;
         for (x, y) in x.iter_mut().zip(y) {

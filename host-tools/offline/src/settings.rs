@@ -127,7 +127,7 @@ impl Default for Settings {
                 parameter: 1,
                 value: 0.9,
             }),
-            truncation: Truncation::Tolerance(1.4e-4),
+            truncation: Truncation::Tolerance(1.2e-4),
             storage: Storage::Integer,
             spacing: 0.05,
             kernel: Kernel {
