@@ -1,9 +1,9 @@
 //! Products of pairs of small integers, and square roots.
 //!
 //! A Cortex-M4 or M7 multiplies two pairs of halfwords and adds both products in one instruction, which the compiler does not
-//! use of itself, and has one for the square root, which `core` does not offer. The instructions read and write registers
-//! only; elsewhere the same is said in Rust. This is the one place of the online stage that needs `unsafe`, so it is a crate of
-//! its own, and what it exports is safe.
+//! use of itself, and has one for the square root, as WebAssembly has, which `core` does not offer. The instructions read and
+//! write registers only; elsewhere the same is said in Rust. This is the one place of the online stage that needs `unsafe`, so
+//! it is a crate of its own, and what it exports is safe.
 
 #![no_std]
 
@@ -100,5 +100,15 @@ mod tests {
         ] {
             assert_eq!(add_products([1, 2], entries, pair), expected);
         }
+    }
+
+    #[test]
+    fn a_root_is_the_nearest_number_to_it() {
+        // A double has more than twice the digits: rounded again, its root is that of the single.
+        for bits in (0..f32::INFINITY.to_bits()).step_by(9973) {
+            let x = f32::from_bits(bits);
+            assert_eq!(sqrt(x), libm::sqrt(x.into()) as f32, "{x:e}");
+        }
+        assert!(sqrt(-1.0).is_nan());
     }
 }
