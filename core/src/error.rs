@@ -1,5 +1,6 @@
 //! Errors, with what was found and what would be right.
 
+use crate::Real;
 use crate::model::Model;
 use crate::model::wire::Parameter;
 use core::error::Error;
@@ -296,6 +297,22 @@ pub enum EvaluateError {
         /// The largest Ca at this a/l that has a steady state.
         limit: f32,
     },
+    /// The query lies outside the sampled domain, where no bound of the error is calibrated.
+    NoBound,
+    /// An extrapolated shape encloses a volume that no capsule of the model has.
+    WrongVolume {
+        /// In the volume of the sphere of radius a.
+        volume: f32,
+        /// Least volume allowed.
+        min: f32,
+        /// Greatest volume allowed.
+        max: f32,
+    },
+    /// An extrapolated shape reaches through a wall of the channel.
+    BeyondWall {
+        /// |y| or |z| of its farthest node, in l: the wall is at 1.
+        reach: f32,
+    },
     /// The weights of the samples do not sum to 1: the samples near the query are too close to each other.
     Weights {
         /// Their sum.
@@ -326,8 +343,17 @@ pub enum EvaluateError {
         /// Entries given.
         found: usize,
     },
-    /// The result is not finite: the parameters are too far from all samples.
+    /// The result is not finite: the parameters are too far from all samples, or the model's numbers are absurd.
     NotFinite,
+}
+
+/// The one check of what leaves the core.
+pub(crate) fn finite<T: Real, const D: usize>(numbers: [T; D]) -> core::result::Result<[T; D], EvaluateError> {
+    if numbers.iter().all(|number| number.is_finite()) {
+        Ok(numbers)
+    } else {
+        Err(EvaluateError::NotFinite)
+    }
 }
 
 impl EvaluateError {
@@ -386,6 +412,20 @@ impl EvaluateError {
             } => write!(
                 f,
                 "no steady state at Ca = {capillary_number}, a/l = {confinement}: the limit there is Ca = {limit}"
+            ),
+            Self::NoBound => write!(
+                f,
+                "no bound of the error is known outside the sampled domain: the answer is extrapolated"
+            ),
+            Self::WrongVolume { volume, min, max } => write!(
+                f,
+                "no capsule has the extrapolated shape: its volume is {volume} of that of a sphere of radius a, it must be in \
+                 [{min}, {max}]; ask nearer to the sampled domain"
+            ),
+            Self::BeyondWall { reach } => write!(
+                f,
+                "no capsule has the extrapolated shape: a node lies at {reach} from the axis, beyond the wall at 1; ask nearer to \
+                 the sampled domain"
             ),
             Self::Weights { sum } => write!(
                 f,

@@ -1,8 +1,8 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
 use crate::dynamics::{Dynamics, Source, Step};
-use crate::error::EvaluateError;
-use crate::expected_error::{bound_factor, expected_error};
+use crate::error::{EvaluateError, finite};
+use crate::expected_error::{bound_factor, expected_error, interval_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
@@ -15,6 +15,7 @@ use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
 use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace, scratch};
 use crate::{Domain, Frame, Method, Nodes, Playback, Query, Real, Scene};
+use core::cell::Cell;
 
 /// Root-mean-square displacement, as a share of the radius, below which the last modes are left out of a shape.
 const NEGLIGIBLE: f32 = 1e-6;
@@ -71,7 +72,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         )
     }
 
-    /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie.
+    /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie. After a refusal no
+    /// query is prepared.
     ///
     /// # Errors
     /// Parameters that are not as many as the model's or not finite (Ca and a/l: not positive), or outside the domain
@@ -84,6 +86,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         {
             return Ok(prepared.domain);
         }
+        self.workspace.forget();
         let mut domain = self.judge(query)?;
         let contents = self.model.contents();
         let cluster = self.model.cluster(&query.parameters);
@@ -92,8 +95,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
             self.fits_the_paper()?;
         }
         let workspace = &mut *self.workspace;
-        workspace.forget();
-        let (parameters, samples) = (&query.parameters, &cluster.samples);
+        let (parameters, samples) = (&self.model.scaled(&query.parameters), &cluster.samples);
         let coordinates = Coordinates::new(contents);
         let (weights, scratch) = (&mut workspace.weights, &mut workspace.scratch);
         match query.method {
@@ -114,8 +116,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
 
     /// Checks a query's numbers and its place.
     fn judge(&self, query: &Query<T>) -> Result<Domain, EvaluateError> {
-        const LEAST: f32 = 1e-6;
+        /// Of a scaled parameter.
         const GREATEST: f32 = 1e6;
+        const LEAST: f32 = 1e-6;
         const MOST_STEPS: f32 = 1e5;
         let end_time = self.model.end_time();
         let contents = self.model.contents();
@@ -127,21 +130,26 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
                 found: values.len(),
             });
         }
-        let min = match contents.mesh.reference {
+        let least = match contents.mesh.reference {
             Reference::Sphere => LEAST,
             Reference::Shape { .. } => -GREATEST,
         };
-        let max = GREATEST;
-        for (index, value) in values.iter().enumerate() {
-            if !lies_in(*value, min, max) {
-                let value = value.to_f32();
-                return Err(EvaluateError::Parameter { index, value, min, max });
+        let scaled = self.model.scaled(&query.parameters);
+        for (index, (scaled, range)) in scaled.as_slice().iter().zip(ranges).enumerate() {
+            if !lies_in(*scaled, least, GREATEST) {
+                let [origin, scale] = [range.origin as f32, range.scale as f32];
+                return Err(EvaluateError::Parameter {
+                    index,
+                    value: query.parameters.get(index).to_f32(),
+                    min: origin + scale * least,
+                    max: origin + scale * GREATEST,
+                });
             }
         }
         if let Some(step) = query.step {
             within("the step", step, end_time / MOST_STEPS, end_time)?;
         }
-        let domain = self.model.domain(query.parameters);
+        let domain = self.model.domain(query.parameters)?;
         if query.extrapolate {
             return Ok(domain);
         }
@@ -181,7 +189,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         within("the instant", t, 0.0, end_time)?;
         let prepared = self.workspace.prepared.as_ref();
         let prepared = prepared.filter(|prepared| prepared.digest == self.model.digest());
-        let query = prepared.ok_or(EvaluateError::NotPrepared)?.query;
+        let Prepared { query, domain, .. } = *prepared.ok_or(EvaluateError::NotPrepared)?;
         let cluster = self
             .model
             .cluster(&query.parameters)
@@ -191,6 +199,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
             cluster,
             workspace: self.workspace,
             query,
+            domain,
             t,
         })
     }
@@ -210,10 +219,11 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         out: &mut [[T; 3]],
     ) -> Result<usize, EvaluateError> {
         let mut instant = self.at(t)?;
+        instant.plausible()?;
         match (instant.query.method, instant.workspace.prepared) {
             (Method::Direct, Some(prepared)) => {
                 let translation = match frame {
-                    Frame::Laboratory => instant.centroid(),
+                    Frame::Laboratory => instant.centroid()?,
                     Frame::Centroid => T::ZERO,
                 };
                 let at = [instant.t, translation];
@@ -229,6 +239,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
 
 /// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps what the next
 /// may need.
+///
+/// Outside the sampled domain (`extrapolate`) every answer waits for a check of the whole surface, once an instant: a shape that
+/// no capsule can have is refused with [`EvaluateError::WrongVolume`] or [`EvaluateError::BeyondWall`].
 #[derive(Debug)]
 pub struct Instant<
     'e,
@@ -243,6 +256,7 @@ pub struct Instant<
     cluster: &'a Cluster<'a>,
     workspace: &'e mut Workspace<T, K, M, N, S>,
     query: Query<T>,
+    domain: Domain,
     t: T,
 }
 
@@ -268,14 +282,33 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         }
     }
 
+    /// Where the query's parameters lie.
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
     /// Axial position X_c of the volume centroid in the laboratory frame, in l.
-    pub fn centroid(&mut self) -> T {
-        self.translation(Quantity::Displacement) / self.root_of_nodes()
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
+    pub fn centroid(&mut self) -> Result<T, EvaluateError> {
+        self.plausible()?;
+        let translation = self.translation(Quantity::Displacement);
+        number(self.axial_position(translation))
     }
 
     /// Axial velocity U = dX_c/dt of the volume centroid, in V.
-    pub fn centroid_velocity(&mut self) -> T {
-        self.translation(Quantity::Velocity) / self.root_of_nodes()
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
+    pub fn centroid_velocity(&mut self) -> Result<T, EvaluateError> {
+        self.plausible()?;
+        number(self.translation(Quantity::Velocity) / self.root_of_nodes())
+    }
+
+    /// The axial position of the centroid that a translation's coefficient means.
+    fn axial_position(&self, translation: T) -> T {
+        translation / self.root_of_nodes() + self.model.origin()
     }
 
     /// The translation's coefficient alone.
@@ -304,12 +337,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// # Errors
     /// [`EvaluateError::NotFinite`].
     pub fn observables(&mut self) -> Result<Observables<T>, EvaluateError> {
-        let centroid = self.centroid();
-        let velocity = self.centroid_velocity();
-        if !(centroid + velocity).is_finite() {
-            return Err(EvaluateError::NotFinite);
-        }
-        let lengths = Lengths::new(self.model, &self.shape(Frame::Centroid))?;
+        let centroid = self.centroid()?;
+        let velocity = self.centroid_velocity()?;
+        let lengths = Lengths::new(self.model, &self.shape(Frame::Centroid)?)?;
         Ok(Observables {
             axial_length: lengths.axial_length,
             half_width: lengths.half_width,
@@ -325,6 +355,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// # Errors
     /// [`EvaluateError::NotFinite`].
     pub fn volume(&mut self) -> Result<T, EvaluateError> {
+        self.plausible()?;
+        let [volume, _] = self.volume_and_reach()?;
+        Ok(volume)
+    }
+
+    /// The volume, and the greatest |y| or |z| of the nodes that it is computed from.
+    fn volume_and_reach(&mut self) -> Result<[T; 2], EvaluateError> {
         self.displacement();
         let Workspace {
             displacement, scratch, ..
@@ -336,14 +373,46 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         if let Some(sector) = &mut sector {
             shape.fill_sector(sector)?;
         }
-        volume(&shape.mesh, |node| {
-            let Some(sector) = &sector else {
-                return shape.node(node);
+        let reach = Cell::new(T::ZERO);
+        let volume = volume(&shape.mesh, |node| {
+            let vector = match &sector {
+                None => shape.node(node)?,
+                Some(sector) => {
+                    let origin = shape.mesh.origin(node);
+                    let vector = origin.and_then(|(index, operation)| Some(apply(operation, *sector.get(index)?)));
+                    vector.ok_or(EvaluateError::NotFinite)?
+                }
             };
-            let origin = shape.mesh.origin(node);
-            let vector = origin.and_then(|(index, operation)| Some(apply(operation, *sector.get(index)?)));
-            vector.ok_or(EvaluateError::NotFinite)
-        })
+            let [_, y, z] = vector;
+            reach.set(reach.get().max(y.abs()).max(z.abs()));
+            Ok(vector)
+        })?;
+        Ok([volume, reach.get()])
+    }
+
+    /// Refuses an extrapolated shape that no capsule can have. Inside the domain the bound of the error says how good it is.
+    fn plausible(&mut self) -> Result<(), EvaluateError> {
+        /// What a volume may deviate by.
+        const VOLUME: f32 = 0.02;
+        if self.domain == Domain::Inside || self.workspace.plausible == Some(self.t) {
+            return Ok(());
+        }
+        let [volume, reach] = self.volume_and_reach()?;
+        let radius = self.model.radius(self.query.parameters);
+        let sphere = T::from_f64(4.0 / 3.0 * core::f64::consts::PI) * radius * radius * radius;
+        let [least, greatest] = match self.model.contents().mesh.reference {
+            Reference::Sphere if reach > T::ONE => {
+                return Err(EvaluateError::BeyondWall { reach: reach.to_f32() });
+            }
+            Reference::Sphere => [1.0, 1.0],
+            Reference::Shape { volumes, .. } => volumes.map(|volume| volume as f32),
+        };
+        let (volume, min, max) = ((volume / sphere).to_f32(), least * (1.0 - VOLUME), greatest * (1.0 + VOLUME));
+        if !(min <= volume && volume <= max) {
+            return Err(EvaluateError::WrongVolume { volume, min, max });
+        }
+        self.workspace.plausible = Some(self.t);
+        Ok(())
     }
 
     /// Positions of the scene's nodes, in l, into the first entries of `out`. Returns how many there are.
@@ -352,7 +421,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// A scene that does not fit the model or `out`; [`EvaluateError::NotFinite`].
     pub fn positions(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         let model = self.model;
-        self.shape(scene.frame).fill(model, scene.nodes, out)
+        self.shape(scene.frame)?.fill(model, scene.nodes, out)
     }
 
     /// Velocities of the scene's nodes, in V, like [`positions`](Self::positions).
@@ -360,6 +429,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// # Errors
     /// As [`positions`](Self::positions).
     pub fn velocities(&mut self, scene: &Scene<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
+        self.plausible()?;
         self.velocity();
         let velocity = &self.workspace.velocity;
         let translation = match scene.frame {
@@ -384,7 +454,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     pub fn outline(&mut self, name: &str, frame: Frame, out: &mut [[T; 2]]) -> Result<usize, EvaluateError> {
         let nodes = self.model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
         let out = room(out, nodes.len())?;
-        let (shape, plane) = (self.shape(frame), Plane::of(name));
+        let (shape, plane) = (self.shape(frame)?, Plane::of(name));
         let mut walk = shape.walk();
         for (node, out) in nodes.iter().zip(&mut *out) {
             *out = walk.axial_radial(node, plane)?;
@@ -405,26 +475,42 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         }
         let mesh = self.model.mesh();
         let sector = room(sector, mesh.sector_nodes().len())?;
-        self.shape(Frame::Centroid).fill_sector(sector)?;
+        self.shape(Frame::Centroid)?.fill_sector(sector)?;
         let [capillary_number, confinement] = self.query.parameters.array();
         Ok(Membrane::new(mesh, sector, confinement, capillary_number))
     }
 
-    /// Expected modified Hausdorff distance to the truth in the laboratory frame, as a fraction of a.
-    pub fn expected_error(&self) -> T {
-        expected_error(self.errors(), &self.error_times(), &self.workspace.weights, self.t)
+    /// Expected distance to the full-order solution in the laboratory frame, as a fraction of a: modified Hausdorff distance for
+    /// a capsule in the channel, mean distance of the nodes for other people's models ([`Reference::Shape`]). Outside the
+    /// sampled domain it is a guess that grows with the distance from the samples.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
+    pub fn expected_error(&self) -> Result<T, EvaluateError> {
+        let weights = &self.workspace.weights;
+        let interpolation = expected_error(self.errors(), &self.error_times(), weights, self.t);
+        let time = interval_error(&self.cluster.interval_errors, &self.model.times(), weights, self.t);
+        number(interpolation + time)
     }
 
     /// Deviation of the weights by which the answer is interpolated, see
     /// [`Weights::deviation`](crate::interpolate::Weights::deviation).
-    pub fn deviation(&self) -> T {
-        self.workspace.weights.deviation()
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
+    pub fn deviation(&self) -> Result<T, EvaluateError> {
+        number(self.workspace.weights.deviation())
     }
 
-    /// The bound below which the modified Hausdorff distance to the truth stays in 95 of 100 cases: laboratory frame,
-    /// fraction of a.
-    pub fn error_bound(&self) -> T {
-        bound_factor::<T>(self.errors(), &self.error_times(), self.t) * self.expected_error()
+    /// The bound below which that distance stays in 95 of 100 cases: laboratory frame, fraction of a.
+    ///
+    /// # Errors
+    /// [`EvaluateError::NoBound`] outside the sampled domain, where it is not calibrated; [`EvaluateError::NotFinite`].
+    pub fn error_bound(&self) -> Result<T, EvaluateError> {
+        if self.domain != Domain::Inside {
+            return Err(EvaluateError::NoBound);
+        }
+        number(bound_factor::<T>(self.errors(), &self.error_times(), self.t) * self.expected_error()?)
     }
 
     /// The leave-one-out errors of the query's method.
@@ -538,14 +624,15 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     }
 
     /// The surface at this instant.
-    fn shape(&mut self, frame: Frame) -> Snapshot<'a, '_, T> {
+    fn shape(&mut self, frame: Frame) -> Result<Snapshot<'a, '_, T>, EvaluateError> {
+        self.plausible()?;
         self.displacement();
         let displacement = &self.workspace.displacement;
         let translation = match frame {
-            Frame::Laboratory => displacement.translation / self.root_of_nodes(),
+            Frame::Laboratory => self.axial_position(displacement.translation),
             Frame::Centroid => T::ZERO,
         };
-        shape(self.model, self.cluster, &self.query, displacement, translation)
+        Ok(shape(self.model, self.cluster, &self.query, displacement, translation))
     }
 }
 
@@ -612,6 +699,11 @@ fn within<T: Real>(what: &'static str, value: T, min: f32, max: f32) -> Result<(
         let value = value.to_f32();
         Err(EvaluateError::Value { what, value, min, max })
     }
+}
+
+/// One number on its way out.
+fn number<T: Real>(value: T) -> Result<T, EvaluateError> {
+    finite([value]).map(|[value]| value)
 }
 
 /// A number that is none lies nowhere.

@@ -4,7 +4,7 @@
 use crate::Real;
 use crate::interpolate::Weights;
 use crate::model::MatrixView;
-use crate::model::wire::Errors;
+use crate::model::wire::{Errors, Matrix};
 
 /// floor + deviation * mean over the neighbours j, weighted by |L_j|, of (left-out error_j(t) / deviation_j), with the
 /// errors linear in time between their instants and constant beyond. A fraction of a.
@@ -23,6 +23,26 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
         .map(|(sample, weight)| weight.abs() * ratio(sample))
         .sum::<T>();
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
+}
+
+/// What the interpolation in time adds between two stored instants: the errors in the middle of the interval, weighted by
+/// |L_j|, times 4 s (1 - s) with s the way from one instant to the other. 0 where none are stored.
+pub(crate) fn interval_error<T: Real, const N: usize>(
+    errors: &Matrix<'_>,
+    instants: &MatrixView<'_>,
+    weights: &Weights<T, N>,
+    t: T,
+) -> T {
+    if errors.rows == 0 {
+        return T::ZERO;
+    }
+    let Between { lower, share, .. } = Between::new(instants, t);
+    let errors = MatrixView::new(errors);
+    let middle = weights
+        .iter()
+        .map(|(sample, weight)| weight.abs() * T::from_f32(errors.get(sample, lower)))
+        .sum::<T>();
+    T::from_f32(4.0) * share * (T::ONE - share) * middle / weights.lebesgue()
 }
 
 /// The bound that 95 % of the errors stay below, as a multiple of the expected error.

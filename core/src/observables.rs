@@ -1,7 +1,7 @@
 //! Scalars that describe the capsule at an instant.
 
 use crate::Real;
-use crate::error::EvaluateError;
+use crate::error::{EvaluateError, finite};
 use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
 use crate::reconstruct::{Plane, Snapshot};
 
@@ -54,9 +54,8 @@ impl<T: Real> Lengths<T> {
     #[inline(never)]
     fn between([front, rear, rear_pole]: [T; 3], half_width: T, half_diagonal: T) -> Result<Self, EvaluateError> {
         let (axial_length, rear_depth) = (front - rear, rear_pole - rear);
-        if !(axial_length + rear_depth + half_width + half_diagonal).is_finite() {
-            return Err(EvaluateError::NotFinite);
-        }
+        let [axial_length, rear_depth, half_width, half_diagonal] =
+            finite([axial_length, rear_depth, half_width, half_diagonal])?;
         Ok(Self {
             axial_length,
             rear_depth,

@@ -1,6 +1,7 @@
 //! What is asked: parameters, method, and whether extrapolation is wanted.
 
 use crate::Real;
+use crate::model::wire::Parameter;
 pub use crate::model::wire::{MAX_PARAMETERS, Method};
 
 /// The parameters of a query or of a sample, in the order of the model's: (Ca, a/l) for a capsule in the channel, one to
@@ -8,7 +9,31 @@ pub use crate::model::wire::{MAX_PARAMETERS, Method};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<T> {
     values: [T; MAX_PARAMETERS],
+    /// What rounding to `T` took from the values.
+    rests: [T; MAX_PARAMETERS],
     count: usize,
+}
+
+impl Parameters<f32> {
+    /// The parameters in a slice of doubles; none unless there are one to [`MAX_PARAMETERS`]. Their rounding to single precision
+    /// is kept beside them, so that values with a large offset (10000.2 in a range of 0.4) lose nothing:
+    ///
+    /// ```
+    /// use capsule_core::Parameters;
+    ///
+    /// assert_ne!(Parameters::from_doubles(&[10000.2]), Parameters::new(&[10000.2_f32]));
+    /// assert_eq!(Parameters::from_doubles(&[0.25]), Parameters::new(&[0.25_f32]));
+    /// ```
+    pub fn from_doubles(values: &[f64]) -> Option<Self> {
+        let single = |index: usize| values.get(index).map_or(0.0, |value| *value as f32);
+        let singles: [f32; MAX_PARAMETERS] = core::array::from_fn(single);
+        let parameters = Self::new(singles.get(..values.len())?)?;
+        let rest = |index: usize| values.get(index).map_or(0.0, |value| (value - f64::from(single(index))) as f32);
+        Some(Self {
+            rests: core::array::from_fn(rest),
+            ..parameters
+        })
+    }
 }
 
 impl<T: Real> Parameters<T> {
@@ -16,6 +41,7 @@ impl<T: Real> Parameters<T> {
     pub fn new(values: &[T]) -> Option<Self> {
         let mut parameters = Self {
             values: [T::ZERO; MAX_PARAMETERS],
+            rests: [T::ZERO; MAX_PARAMETERS],
             count: values.len(),
         };
         parameters.values.get_mut(..values.len())?.copy_from_slice(values);
@@ -32,6 +58,18 @@ impl<T: Real> Parameters<T> {
         self.values.get(index).copied().unwrap_or(T::ZERO)
     }
 
+    /// The scaled parameters, (value - origin) / scale.
+    pub(crate) fn scaled(&self, ranges: &[Parameter<'_>]) -> Self {
+        let mut scaled = Self {
+            rests: [T::ZERO; MAX_PARAMETERS],
+            ..*self
+        };
+        for ((value, rest), range) in scaled.values.iter_mut().zip(&self.rests).zip(ranges) {
+            *value = ((*value - T::from_f64(range.origin)) + *rest) / T::from_f64(range.scale);
+        }
+        scaled
+    }
+
     /// The first `P` of them, with zeros beyond the last.
     pub(crate) fn array<const P: usize>(&self) -> [T; P] {
         core::array::from_fn(|index| self.get(index))
@@ -43,6 +81,7 @@ impl<T: Real, const P: usize> From<[T; P]> for Parameters<T> {
         const { assert!(P >= 1 && P <= MAX_PARAMETERS, "one to four parameters") };
         Self {
             values: core::array::from_fn(|index| values.get(index).copied().unwrap_or(T::ZERO)),
+            rests: [T::ZERO; MAX_PARAMETERS],
             count: P,
         }
     }
@@ -98,7 +137,8 @@ impl Scheme {
     }
 }
 
-/// Where parameters lie.
+/// Where parameters lie. Errors are calibrated [`Inside`](Self::Inside): everywhere else an answer is an extrapolation, its
+/// expected error a guess, and it has no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// Within the sampled ranges and below the steady limit, where there is one.

@@ -1,6 +1,6 @@
 //! From coefficients to vectors at the nodes, for the asked nodes only.
 
-use crate::error::EvaluateError;
+use crate::error::{EvaluateError, finite};
 use crate::linalg::{IN_PAIRS, LANES};
 use crate::model::{DIAGONAL, Factors, MIDPLANE, MatrixView, Mesh, Model, apply};
 use crate::{Nodes, Real};
@@ -257,10 +257,3 @@ pub(crate) fn room<E>(out: &mut [E], required: usize) -> Result<&mut [E], Evalua
         .ok_or(EvaluateError::BufferTooShort { required, found })
 }
 
-fn finite<T: Real, const D: usize>(vector: [T; D]) -> Result<[T; D], EvaluateError> {
-    if vector.iter().all(|component| component.is_finite()) {
-        Ok(vector)
-    } else {
-        Err(EvaluateError::NotFinite)
-    }
-}

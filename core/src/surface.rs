@@ -1,7 +1,7 @@
 //! Integrals over the elements of the surface.
 
 use crate::Real;
-use crate::error::EvaluateError;
+use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
 
 /// The quadrature of degree 4 with six points (Dunavant, 1985): two barycentric weights of a point, the third, and its own
@@ -137,11 +137,7 @@ pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
         Ok(())
     })?;
     sums.iter_mut().for_each(|sum| *sum *= share);
-    if sums.iter().all(|sum| sum.is_finite()) {
-        Ok(sums)
-    } else {
-        Err(EvaluateError::NotFinite)
-    }
+    finite(sums)
 }
 
 /// What is done at an element, given its nodes and quadrature points.

@@ -32,6 +32,8 @@ pub struct Workspace<
     const S: usize = { scratch(16, 32) },
 > {
     pub(crate) prepared: Option<Prepared<T>>,
+    /// The instant of an extrapolated query at which the shape was found plausible.
+    pub(crate) plausible: Option<T>,
     pub(crate) weights: Weights<T, N>,
     pub(crate) displacement: Coefficients<T, K>,
     pub(crate) velocity: Coefficients<T, K>,
@@ -96,6 +98,7 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
         };
         Self {
             prepared: None,
+            plausible: None,
             scratch: [T::ZERO; S],
             weights: Weights::EMPTY,
             contracted: Contracted::EMPTY,
@@ -109,6 +112,7 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
     /// Forgets what belongs to a query: the next one is computed anew, whatever the storage holds.
     pub fn forget(&mut self) {
         self.prepared = None;
+        self.plausible = None;
         self.displacement.t = None;
         self.velocity.t = None;
         self.controls.forget();

@@ -35,7 +35,9 @@ fn ask(payload: &[u8], workspace: &mut Workspace<f32>, vectors: &mut [[f32; 3]])
             assert!(found.axial_length.is_finite() && found.velocity.is_finite() && found.rear_depth.is_finite());
         }
         assert!(instant.volume().map_or(true, f32::is_finite));
-        assert!(!instant.expected_error().is_nan());
+        for number in [instant.expected_error(), instant.error_bound(), instant.centroid()] {
+            assert!(number.map_or(true, f32::is_finite));
+        }
         let scene = Scene {
             nodes: Nodes::All,
             frame: Frame::Laboratory,

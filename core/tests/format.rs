@@ -117,16 +117,19 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert_eq!(open(&|file| file[1] = b'X'), OpenError::Magic { found: *b"CXOM" });
-    let newer = open(&|file| file[4] = 10);
+    let newer = open(&|file| file[4] = 11);
     assert_eq!(
         newer,
         OpenError::Version {
-            found: 10,
-            supported: 9
+            found: 11,
+            supported: 10
         }
     );
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version { found: 0, supported: 9 });
+    assert_eq!(open(&|file| file[4] = 0), OpenError::Version {
+        found: 0,
+        supported: 10
+    });
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -146,6 +149,13 @@ fn a_message_that_is_not_one_is_refused() {
         OpenError::TrailingBytes { found: 1 }
     );
 }
+
+/// The reference of other people's models.
+const SHAPE: Reference = Reference::Shape {
+    radius: 0.9,
+    origin: 0.0,
+    volumes: [1.0, 1.0],
+};
 
 /// The error that a change of the contents leads to.
 fn refused(change: impl FnOnce(&mut Contents<'_>)) -> OpenError {
@@ -198,6 +208,9 @@ fn wrong_dimensions_are_refused() {
     columns("axial modes")(refused(|c| c.clusters[0].field.axial_modes.columns = 2));
     rows("leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.rows = 2));
     columns("leave-one-out errors")(refused(|c| c.clusters[0].direct_errors.left_out.columns = 1));
+    columns("errors between instants")(refused(|c| c.clusters[0].interval_errors.columns -= 1));
+    rows("errors between instants")(refused(|c| c.clusters[1].interval_errors.rows -= 1));
+    columns("effect of bending")(refused(|c| c.bending_effect.columns = 2));
     rows("deviations")(refused(|c| c.clusters[0].paper_errors.deviation.rows = 2));
     columns("steady limit")(refused(|c| c.steady_limit.columns = 3));
     dimension("nodes")(refused(|c| c.mesh.nodes = 1 << 17));
@@ -324,9 +337,12 @@ fn wrong_indices_sets_and_settings_are_refused() {
     let dimension = |what| move |error| assert!(matches!(error, OpenError::Dimension { what: w, .. } if w == what));
     dimension("nodes of an element")(refused(|c| c.mesh.element_nodes = 4));
     dimension("parameters")(refused(|c| c.metadata.parameters.truncate(1)));
-    dimension("points of the steady limit of a model that is not one of a capsule in the channel")(refused(|c| {
-        c.mesh.reference = Reference::Shape { radius: 1.0 };
-    }));
+    let other = |what| {
+        dimension(what)(refused(|c| {
+            c.mesh.reference = SHAPE;
+        }))
+    };
+    other("points of the steady limit and of the effect of bending in a model that is not one of a capsule in the channel");
     index("parameter of the clusters")(refused(|c| c.split = 2));
     let setting = |error| assert!(matches!(error, OpenError::Setting { .. }), "{error}");
     setting(refused(|c| c.metadata.parameters[0].min = f64::NAN));
@@ -342,6 +358,10 @@ fn wrong_indices_sets_and_settings_are_refused() {
     setting(refused(|c| c.clusters[1].min = 0.95));
     setting(refused(|c| c.clusters[1].max = 0.8));
     setting(refused(|c| c.clusters[0].direct_errors.floor = -1.0));
+    setting(refused(|c| c.metadata.bending_stiffness = Some(f64::NAN)));
+    // Ca and a/l are not scaled.
+    setting(refused(|c| c.metadata.parameters[0].origin = 0.1));
+    setting(refused(|c| c.metadata.parameters[1].scale = 2.0));
 }
 
 /// Opens bytes and, if they are a model, asks it for everything at one instant.
@@ -374,7 +394,9 @@ fn exercise(bytes: &[u8]) {
         if let Ok(volume) = instant.volume() {
             assert!(volume.is_finite());
         }
-        assert!(!instant.expected_error().is_nan());
+        for number in [instant.expected_error(), instant.error_bound(), instant.centroid()] {
+            assert!(number.map_or(true, f32::is_finite));
+        }
     }
 }
 
@@ -406,7 +428,9 @@ fn the_message_is_postcard() {
     contents.clusters[1].field.spans[0].core.encoding = Encoding::F32;
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.steady_limit = Matrix::f32(0, 2, &[]);
-    contents.mesh.reference = Reference::Shape { radius: 0.9 };
+    contents.bending_effect = Matrix::f32(0, 3, &[]);
+    contents.metadata.bending_stiffness = None;
+    contents.mesh.reference = SHAPE;
     read_as_postcard_reads(&write(&contents)[HEADER..]);
 
     let payload = &Family::small().file()[HEADER..];

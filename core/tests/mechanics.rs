@@ -38,7 +38,7 @@ fn load_errors<T: Real>(frequencies: &[i32], map: fn(Point) -> Point, exact: fn(
         let found = deformations::<T>(&Sphere::new(frequency), map);
         let (mut error, mut scale) = (0.0_f64, 0.0_f64);
         for (point, deformation) in found {
-            let load = deformation.load(T::ONE).map(T::to_f64);
+            let load = deformation.load(T::ONE).unwrap().map(T::to_f64);
             let exact = exact(point);
             let difference: Point = std::array::from_fn(|d| load[d] - exact[d]);
             error = error.max(dot(difference, difference).sqrt());
@@ -229,14 +229,14 @@ fn integrals(family: &Family, model: &Model<'_>, membrane: &Membrane<'_, '_, f64
         let current = weight * deformation.area_dilation();
         area += current;
         energy += weight * deformation.energy_density();
-        let load = deformation.load(capillary_number);
+        let load = deformation.load(capillary_number).unwrap();
         (0..3).for_each(|d| force[d] += current * load[d]);
         power += current * load[0] * undisturbed(exact[node]);
         // The node's representative tells the same.
         let (index, operation) = mesh.origin(node).unwrap();
         let stencil = Stencil::at(&mesh, mesh.sector_nodes().get(index).unwrap()).unwrap();
         let carried = membrane.deformation(&stencil).unwrap().carried(operation);
-        let carried = carried.load(capillary_number);
+        let carried = carried.load(capillary_number).unwrap();
         let difference: Point = std::array::from_fn(|d| carried[d] - load[d]);
         assert!(
             dot(difference, difference) < 1e-10 * dot(load, load),
@@ -291,7 +291,7 @@ fn readings<T: Real>(family: &Family) -> Vec<f64> {
             let scalars = [deformation.area_dilation(), deformation.energy_density()];
             let pairs = [deformation.stretches(), deformation.tensions()];
             let all = scalars.iter().chain(pairs.as_flattened());
-            let load = deformation.load(capillary_number).map(|x| x / T::from_f32(30.0));
+            let load = deformation.load(capillary_number).unwrap().map(|x| x / T::from_f32(30.0));
             readings.borrow_mut().extend(all.copied().chain(load).map(T::to_f64));
         }
         let totals = membrane.totals().unwrap();

@@ -2,8 +2,10 @@
 
 mod common;
 
+use capsule_core::model::wire::Matrix;
 use capsule_core::{
-    DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace,
+    DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Scene, Workspace,
+    playback_room, scratch,
 };
 use common::Family;
 use proptest::prelude::*;
@@ -103,9 +105,6 @@ fn instants_and_steps_are_judged() {
         );
     }
     assert!(evaluator.at(4.0).is_ok());
-    // A query that fails leaves nothing that could be taken for its answer.
-    assert!(evaluator.prepare(&Query::new([1.0, 0.9], Method::Direct)).is_err());
-    assert!(evaluator.at(1.0).is_ok(), "the query before it is still there");
 }
 
 #[test]
@@ -189,9 +188,12 @@ proptest! {
             let scene = Scene { nodes: Nodes::All, frame: Frame::Laboratory };
             assert!(instant.positions(&scene, &mut points).is_err() || finite(&points));
             assert!(instant.velocities(&scene, &mut points).is_err() || finite(&points));
-            assert!(instant.observables().is_err() || instant.centroid().is_finite());
+            assert!(instant.observables().map_or(true, |found| found.centroid.is_finite()));
+            assert!(instant.centroid().map_or(true, f32::is_finite));
+            assert!(instant.centroid_velocity().map_or(true, f32::is_finite));
             assert!(instant.volume().map_or(true, f32::is_finite));
-            assert!(!instant.expected_error().is_nan());
+            assert!(instant.expected_error().map_or(true, f32::is_finite));
+            assert!(instant.error_bound().map_or(true, f32::is_finite));
             let mut outline = vec![[0.0; 2]; 100];
             for name in [MIDPLANE, DIAGONAL] {
                 let _ = instant.outline(name, Frame::Laboratory, &mut outline);
@@ -231,4 +233,135 @@ fn the_papers_steps_do_not_amplify_deviations() {
     });
     let share = common::distance(&found, &end) / common::distance(&start, &end);
     assert!(share < 0.1, "{share}");
+}
+
+/// Refusals of every kind, each after a query that was answered.
+#[test]
+fn a_refused_query_leaves_nothing_prepared() {
+    let file = Family::new(2).file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f32, 129, 0, 32, { scratch(0, 32) }>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let good = Query::new([0.1, 0.9], Method::Direct);
+    let refused = [
+        Query::new([0.9, 0.9], Method::Direct),
+        Query::new([f32::NAN, 0.9], Method::Direct),
+        Query::new([0.1, -0.9], Method::Direct),
+        Query::new([0.199, 0.9], Method::Direct),
+        Query::new([0.1], Method::Direct),
+        Query {
+            step: Some(-1.0),
+            ..good
+        },
+        Query {
+            extrapolate: true,
+            ..Query::new([1e5, 100.0], Method::Direct)
+        },
+        // No room for it in this workspace.
+        Query::new([0.1, 0.9], Method::Paper),
+    ];
+    for query in refused {
+        evaluator.prepare(&good).unwrap();
+        assert!(evaluator.at(3.0).unwrap().observables().is_ok());
+        assert!(evaluator.prepare(&query).is_err(), "{query:?}");
+        assert_eq!(evaluator.at(3.0).unwrap_err(), EvaluateError::NotPrepared, "{query:?}");
+    }
+}
+
+#[test]
+fn the_domain_of_too_few_or_too_many_parameters_is_refused() {
+    let file = Family::new(2).file();
+    let model = Model::open(&file).unwrap();
+    assert_eq!(model.domain([0.1, 0.9]), Ok(Domain::Inside));
+    let count = |found| Err(EvaluateError::ParameterCount { expected: 2, found });
+    assert_eq!(model.domain([0.1]), count(1));
+    assert_eq!(model.domain([0.1, 0.9, 0.9]), count(3));
+}
+
+/// The family's volume grows when it is extrapolated: it is refused where it is 2 % off or a node is beyond a wall, at every
+/// door, and answered before that, without a bound.
+#[test]
+fn an_impossible_extrapolated_shape_is_refused_at_every_door() {
+    let family = Family::new(2);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f64>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let (mut answered, mut volumes, mut walls) = (0, 0, 0);
+    for [ca, confinement] in [[0.141, 0.76], [0.2, 0.8], [0.2, 1.15], [0.3, 0.8], [0.1, 1.4]] {
+        let query = Query {
+            extrapolate: true,
+            ..Query::new([ca, confinement], Method::Direct)
+        };
+        assert_ne!(evaluator.prepare(&query).unwrap(), Domain::Inside);
+        for t in [0.0, 0.01, 3.0] {
+            // Independent of the core: the family's own nodes.
+            let [exact, _] = family.exact([ca, confinement], t);
+            let reach = exact.iter().flat_map(|[_, y, z]| [y.abs(), z.abs()]).fold(0.0, f64::max);
+            let mut instant = evaluator.at(t).unwrap();
+            assert_eq!(instant.error_bound(), Err(EvaluateError::NoBound));
+            let found = instant.volume();
+            let mut nodes = vec![[0.0; 3]; family.nodes()];
+            let scene = Scene {
+                nodes: Nodes::All,
+                frame: Frame::Laboratory,
+            };
+            let mut outline = [[0.0; 2]; 100];
+            let room = vec![0.0; playback_room(&model)];
+            let doors = [
+                instant.positions(&scene, &mut nodes).err(),
+                instant.velocities(&scene, &mut nodes).err(),
+                instant.centroid().err(),
+                instant.centroid_velocity().err(),
+                instant.observables().err(),
+                instant.outline(MIDPLANE, Frame::Centroid, &mut outline).err(),
+                instant.membrane(&mut nodes.clone()).err(),
+                evaluator.frame(t, Frame::Centroid, &mut Playback::new(room), &mut nodes).err(),
+            ];
+            assert!(doors.iter().all(|error| *error == found.err()), "{ca} {confinement} {t}: {doors:?}");
+            match found {
+                Ok(_) => answered += 1,
+                Err(EvaluateError::BeyondWall { reach: found }) => {
+                    assert!((f64::from(found) - reach).abs() < 1e-4 && reach > 1.0, "{found} {reach}");
+                    walls += 1;
+                }
+                Err(EvaluateError::WrongVolume { volume, .. }) => {
+                    assert!(reach < 1.0 + 1e-4 && (volume - 1.0).abs() > 0.02, "{volume} {reach}");
+                    volumes += 1;
+                }
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+    assert!(answered > 0 && volumes > 0 && walls > 0, "{answered} {volumes} {walls}");
+}
+
+/// Numbers that a valid file may hold, and that lead beyond single precision: an error, never an infinity.
+#[test]
+fn absurd_numbers_of_a_valid_model_are_refused_where_they_leave() {
+    let family = Family::new(2);
+    let mut arena = common::Arena::default();
+    let mut contents = family.contents(&mut arena);
+    let fill = |matrix: &Matrix<'_>, value: f32| {
+        let count = (matrix.rows * matrix.columns) as usize;
+        let bytes: Vec<u8> = (0..count).flat_map(|_| value.to_le_bytes()).collect();
+        Matrix::f32(matrix.rows, matrix.columns, bytes.leak())
+    };
+    for cluster in &mut contents.clusters {
+        for errors in [&mut cluster.direct_errors, &mut cluster.paper_errors] {
+            errors.deviation = fill(&errors.deviation, f32::MIN_POSITIVE);
+            errors.left_out = fill(&errors.left_out, 10.0);
+        }
+    }
+    let file = common::write(&contents);
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f32>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    for method in METHODS {
+        evaluator.prepare(&Query::new([0.053, 0.87], method)).unwrap();
+        let mut instant = evaluator.at(1.5).unwrap();
+        assert_eq!(instant.expected_error(), Err(EvaluateError::NotFinite));
+        assert_eq!(instant.error_bound(), Err(EvaluateError::NotFinite));
+        assert!(instant.observables().is_ok());
+    }
 }

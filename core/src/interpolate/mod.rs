@@ -20,6 +20,10 @@ use neighbours::Nearest;
 /// the ratio, and with them the rounding of the data.
 pub(crate) const REACH: f32 = 10.0;
 
+/// Rounding of the variance in single precision, in the square of sum |L_j|. The same in double precision, so that both
+/// state the same error.
+const VARIANCE_ROUNDING: f32 = 1e-6;
+
 /// Weights L_j of at most `N` samples, and where these lie relative to the query.
 #[derive(Clone, Debug)]
 pub struct Weights<T, const N: usize> {
@@ -251,10 +255,15 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// reproduce quadratics, r^3 for those that are sure to reproduce linear functions only. It is the power function
     /// of that kernel (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 where the query is a sample that
     /// the weights return, and growing with the distance from the samples to the power 5/2 or 3/2.
+    ///
+    /// Far outside the samples the variance is a small difference of numbers as large as the squares of the weights, and may
+    /// come out as anything, also negative: it counts as at least their rounding.
     pub fn deviation(&self) -> T {
+        let lebesgue = self.lebesgue();
+        let rounding = T::from_f32(VARIANCE_ROUNDING) * (lebesgue * lebesgue - T::ONE);
         let powers = 2 * self.degree + 1;
         (0..powers)
-            .fold(self.variance.max(T::ZERO), |square, _| square * self.radius)
+            .fold(self.variance.max(rounding).max(T::ZERO), |square, _| square * self.radius)
             .sqrt()
     }
 

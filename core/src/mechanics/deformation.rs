@@ -2,6 +2,7 @@
 
 use super::{determinant, metric, plus};
 use crate::Real;
+use crate::error::{EvaluateError, finite};
 use crate::model::apply;
 
 /// Derivatives of the current position at a node by the arc lengths along two orthogonal directions of the stress-free
@@ -81,7 +82,10 @@ impl<T: Real> Deformation<T> {
 
     /// Load of the fluid on the membrane per current area (the jump of traction, the paper's eq. 8) in mu V / l, minus
     /// the surface divergence of the tension over `capillary_number`.
-    pub fn load(&self, capillary_number: T) -> [T; 3] {
+    ///
+    /// # Errors
+    /// [`EvaluateError::NotFinite`].
+    pub fn load(&self, capillary_number: T) -> Result<[T; 3], EvaluateError> {
         let two = T::from_f32(2.0);
         let ([x1, x2], [x11, x12, x22]) = (&self.first, &self.second);
         let metric = metric(&self.first);
@@ -114,7 +118,7 @@ impl<T: Real> Deformation<T> {
             sum = plus(sum, factor, *vector);
         }
         let scale = -T::ONE / (square.sqrt() * capillary_number);
-        sum.map(|component| scale * component)
+        finite(sum.map(|component| scale * component))
     }
 
     fn greatest_squared(&self) -> T {

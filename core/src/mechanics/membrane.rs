@@ -4,7 +4,7 @@ use super::deformation::energy_density;
 use super::poiseuille::undisturbed_velocity;
 use super::{Deformation, Stencil, determinant, metric};
 use crate::Real;
-use crate::error::EvaluateError;
+use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
 use crate::surface::integrate;
 
@@ -75,16 +75,12 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
             let energy = energy_density(trace, current / square);
             [current.sqrt(), stress_free * energy, stress_free * power]
         })?;
-        let pressure_drop = power / (T::from_f32(4.0) * self.capillary_number);
-        if pressure_drop.is_finite() {
-            Ok(Totals {
-                area,
-                energy,
-                pressure_drop,
-            })
-        } else {
-            Err(EvaluateError::NotFinite)
-        }
+        let [pressure_drop] = finite([power / (T::from_f32(4.0) * self.capillary_number)])?;
+        Ok(Totals {
+            area,
+            energy,
+            pressure_drop,
+        })
     }
 
     fn position(&self, node: usize) -> Result<[T; 3], EvaluateError> {

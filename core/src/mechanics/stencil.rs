@@ -2,7 +2,7 @@
 
 use super::{Deformation, plus};
 use crate::Real;
-use crate::error::EvaluateError;
+use crate::error::{EvaluateError, finite};
 use crate::interpolate::neighbours::Nearest;
 use crate::linalg::{add_scaled, dot};
 use crate::model::Mesh;
@@ -122,8 +122,12 @@ impl<T: Real> Stencil<T> {
             first: [x1, x2].map(|vector| vector.map(|x| x / radius)),
             second: [x11, x12, x22].map(|vector| vector.map(|x| x / square)),
         };
-        let finite = deformation.second.as_flattened().iter().all(|x| x.is_finite());
-        if finite && deformation.area_dilation() > T::from_f32(LEAST_AREA_DILATION) {
+        for derivative in deformation.second {
+            finite(derivative)?;
+        }
+        // With it the metric is finite, and so are stretches, tensions and energy.
+        let [dilation] = finite([deformation.area_dilation()])?;
+        if dilation > T::from_f32(LEAST_AREA_DILATION) {
             Ok(deformation)
         } else {
             Err(EvaluateError::NotFinite)

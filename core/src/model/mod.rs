@@ -19,7 +19,7 @@ pub use matrix::{Indices, MatrixView};
 pub use mesh::Mesh;
 pub(crate) use mesh::{apply, components};
 
-use crate::error::OpenError;
+use crate::error::{EvaluateError, OpenError};
 use crate::{Domain, Parameters, Real};
 use core::mem::MaybeUninit;
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -33,7 +33,7 @@ pub const MIDPLANE: &str = "midplane";
 pub const DIAGONAL: &str = "diagonal";
 
 const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 const HEADER_LENGTH: usize = 16;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
@@ -143,23 +143,31 @@ impl<'a> Model<'a> {
 
     /// Where parameters lie with respect to the sampled ranges and the steady limit; numbers that are not finite lie
     /// outside. Whether they are [`FarFromSamples`](Domain::FarFromSamples) only a prepared query tells.
-    pub fn domain<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> Domain {
+    ///
+    /// # Errors
+    /// [`EvaluateError::ParameterCount`].
+    pub fn domain<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> Result<Domain, EvaluateError> {
         let parameters = parameters.into();
+        let (expected, found) = (self.contents.metadata.parameters.len(), parameters.as_slice().len());
+        if found != expected {
+            return Err(EvaluateError::ParameterCount { expected, found });
+        }
         let beyond = |limit: T| parameters.get(0) > limit * T::from_f64(1.0 + PARAMETER_TOLERANCE);
-        if self.outside(&parameters).is_some() {
+        Ok(if self.outside(&parameters).is_some() {
             Domain::Outside
         } else if self.steady_limit(parameters.get(1)).is_some_and(beyond) {
             Domain::BeyondSteadyLimit
         } else {
             Domain::Inside
-        }
+        })
     }
 
     /// The first parameter that lies outside its sampled range.
     pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
         let within = |(value, range): (&T, &wire::Parameter<'_>)| {
             let (min, max) = (T::from_f64(range.min), T::from_f64(range.max));
-            let slack = T::from_f64(PARAMETER_TOLERANCE) * min.abs().max(max.abs());
+            let rounding = T::from_f32(2.0 * f32::EPSILON) * min.abs().max(max.abs());
+            let slack = T::from_f64(PARAMETER_TOLERANCE) * (max - min) + rounding;
             *value >= min - slack && *value <= max + slack
         };
         let mut ranges = parameters.as_slice().iter().zip(&self.contents.metadata.parameters);
@@ -178,14 +186,27 @@ impl<'a> Model<'a> {
     pub fn radius<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> T {
         match self.contents.mesh.reference {
             Reference::Sphere => parameters.into().get(1),
-            Reference::Shape { radius } => T::from_f64(radius),
+            Reference::Shape { radius, .. } => T::from_f64(radius),
         }
+    }
+
+    /// The axial position that is added to the stored translation.
+    pub(crate) fn origin<T: Real>(&self) -> T {
+        match self.contents.mesh.reference {
+            Reference::Sphere => T::ZERO,
+            Reference::Shape { origin, .. } => T::from_f64(origin),
+        }
+    }
+
+    /// The scaled parameters, with which interpolation works: see [`wire::Parameter`].
+    pub fn scaled<T: Real>(&self, parameters: &Parameters<T>) -> Parameters<T> {
+        parameters.scaled(&self.contents.metadata.parameters)
     }
 
     /// The cluster that answers for parameters: the first that reaches up to them, else the last. Validation refuses
     /// a model that has none.
     pub fn cluster<T: Real>(&self, parameters: &Parameters<T>) -> Option<&Cluster<'a>> {
-        let value = parameters.get(self.contents.split.into());
+        let value = self.scaled(parameters).get(self.contents.split.into());
         let reaches = |cluster: &&Cluster<'a>| {
             let max = T::from_f64(cluster.max);
             value <= max + T::from_f64(PARAMETER_TOLERANCE) * max.abs()

@@ -36,19 +36,19 @@ macro_rules! parts {
 
 parts! {
     Contents<'a> {
-        metadata, mesh, times, error_times, steady_limit, border, default_method, kernel, paper, split, clusters
+        metadata, mesh, times, error_times, steady_limit, bending_effect, border, default_method, kernel, paper, split, clusters
     }
     Metadata<'a> {
-        title, units, membrane_law, parameters, database_digest, offline_settings, created_unix_s
+        title, units, membrane_law, bending_stiffness, parameters, database_digest, offline_settings, created_unix_s
     }
     Units<'a> { length, velocity, time }
-    Parameter<'a> { name, min, max }
+    Parameter<'a> { name, min, max, origin, scale }
     Mesh<'a> {
         nodes, element_nodes, elements, reference, sector_reference, operations, images, origins, node_sets
     }
     NodeSet<'a> { name, nodes }
     Cluster<'a> {
-        min, max, samples, field, direct_errors, paper_errors
+        min, max, samples, field, direct_errors, paper_errors, interval_errors
     }
     Samples<'a> { parameters, places }
     Field<'a> { modes, knots, spans, axial_controls, axial_modes }
@@ -155,6 +155,20 @@ impl<'a> Part<'a> for f64 {
     }
 }
 
+impl<'a> Part<'a> for Option<f64> {
+    fn read(&mut self, from: &mut Cursor<'a>) {
+        *self = match from.byte() {
+            0 => None,
+            1 => {
+                let mut value = 0.0;
+                value.read(from);
+                Some(value)
+            }
+            _ => return from.spoil(),
+        }
+    }
+}
+
 impl<'a> Part<'a> for &'a str {
     fn read(&mut self, from: &mut Cursor<'a>) {
         match core::str::from_utf8(from.bytes()) {
@@ -209,9 +223,15 @@ impl<'a> Part<'a> for Reference {
         *self = match from.integer(32) {
             0 => Self::Sphere,
             1 => {
-                let mut radius = 0.0;
+                let (mut radius, mut origin, mut volumes) = (0.0, 0.0, [0.0; 2]);
                 radius.read(from);
-                Self::Shape { radius }
+                origin.read(from);
+                volumes.read(from);
+                Self::Shape {
+                    radius,
+                    origin,
+                    volumes,
+                }
             }
             _ => return from.spoil(),
         }

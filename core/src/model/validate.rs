@@ -6,8 +6,17 @@ use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 use crate::linalg::LANES;
 
-/// Larger numbers have no meaning in any array of a model, and could overflow what is computed from them.
+/// Larger numbers have no meaning in any array of a model of a capsule in the channel, and could overflow what is computed
+/// from them.
 const LARGEST: f32 = 1e6;
+/// The same for lengths of a model in its own units, in its radius.
+const LARGEST_IN_RADII: f64 = 1e9;
+/// The radius of such a model: its cube is a single-precision number.
+const RADIUS: [f64; 2] = [1e-12, 1e12];
+/// Times in units of any kind.
+const TIME: [f32; 2] = [0.0, 1e18];
+/// The largest value of a parameter in its own units.
+const LARGEST_PARAMETER: f64 = 1e36;
 /// The range of numbers that may have either sign.
 const ANY: [f32; 2] = [-LARGEST, LARGEST];
 /// The range of numbers that may not be negative.
@@ -19,7 +28,15 @@ const MOST_NODES: usize = u16::MAX as usize;
 
 /// Judges the contents of a model.
 pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
-    let mut judge = Judge { found: Ok(()) };
+    let length = match contents.mesh.reference {
+        Reference::Sphere => LARGEST,
+        // The radius itself is judged with the mesh.
+        Reference::Shape { radius, .. } => (LARGEST_IN_RADII * radius.clamp(RADIUS[0], RADIUS[1])) as f32,
+    };
+    let mut judge = Judge {
+        found: Ok(()),
+        length: [-length, length],
+    };
     judge.contents(contents);
     judge.found
 }
@@ -34,6 +51,8 @@ struct Range {
 /// Keeps what was found wrong first. After it no array is looked at any more: what is known of one is that it is empty.
 struct Judge {
     found: Result<(), OpenError>,
+    /// The range of lengths.
+    length: [f32; 2],
 }
 
 impl Judge {
@@ -43,24 +62,38 @@ impl Judge {
         let least = if sphere { 1e-6 } else { -1e6 };
         let parameters = contents.metadata.parameters.len();
         self.count("parameters", if sphere { 2 } else { parameters.max(1) }, parameters);
+        let greatest = if sphere { 1e6 } else { LARGEST_PARAMETER };
         for range in &contents.metadata.parameters {
-            self.setting("parameter minimum", range.min, least, 1e6);
-            self.setting("parameter maximum", range.max, range.min, 1e6);
+            self.setting("parameter minimum", range.min, if sphere { least } else { -greatest }, greatest);
+            self.setting("parameter maximum", range.max, range.min, greatest);
+            let [origin, scale] = if sphere {
+                [[0.0, 0.0], [1.0, 1.0]]
+            } else {
+                [[-greatest, greatest], [1.0 / greatest, greatest]]
+            };
+            self.setting("origin of a parameter", range.origin, origin[0], origin[1]);
+            self.setting("scale of a parameter", range.scale, scale[0], scale[1]);
+        }
+        if let Some(stiffness) = contents.metadata.bending_stiffness {
+            self.setting("bending stiffness", stiffness, 0.0, 1e6);
         }
         self.mesh(&contents.mesh);
 
-        let times = self.rising("times", &contents.times, 1, 2);
+        let times = self.rising("times", &contents.times, [1, 2], TIME);
         let (start, end_time) = (times.get(0, 0), times.get(times.rows().saturating_sub(1), 0));
         if start != 0.0 {
             self.number("times", 0, start, "0");
         }
-        let error_times = self.rising("error times", &contents.error_times, 1, 1);
-        let limit = self.rising("steady limit", &contents.steady_limit, 2, 0);
+        let error_times = self.rising("error times", &contents.error_times, [1, 1], TIME);
+        let limit = self.rising("steady limit", &contents.steady_limit, [2, 0], POSITIVE);
+        let effect = &contents.bending_effect;
+        self.matrix("effect of bending", effect, [effect.rows as usize, 3], POSITIVE);
+        self.singles("effect of bending", effect);
         if !sphere {
             self.count(
-                "points of the steady limit of a model that is not one of a capsule in the channel",
+                "points of the steady limit and of the effect of bending in a model that is not one of a capsule in the channel",
                 0,
-                limit.rows(),
+                limit.rows() + effect.rows as usize,
             );
         }
         for row in 0..limit.rows() {
@@ -74,7 +107,7 @@ impl Judge {
                 },
             );
         }
-        self.rising("border", &contents.border, 2, 0);
+        self.rising("border", &contents.border, [2, 0], POSITIVE);
         self.singles("steady limit", &contents.steady_limit);
         self.singles("border", &contents.border);
 
@@ -133,6 +166,9 @@ impl Judge {
             let (samples, instants) = (cluster.samples.parameters.rows as usize, error_times.rows());
             self.errors(&cluster.direct_errors, samples, instants);
             self.errors(&cluster.paper_errors, samples, instants);
+            let known = cluster.interval_errors.rows > 0;
+            let shape = if known { [samples, times.rows().saturating_sub(1)] } else { [0, 0] };
+            self.matrix("errors between instants", &cluster.interval_errors, shape, POSITIVE);
         }
     }
 
@@ -141,18 +177,21 @@ impl Judge {
         self.count("nodes", nodes.clamp(1, MOST_NODES), nodes);
         let sector = mesh.sector_reference.rows as usize;
         let what = "sector's reference nodes";
-        let reference = self.matrix(what, &mesh.sector_reference, [sector, 3], ANY);
+        let reference = self.matrix(what, &mesh.sector_reference, [sector, 3], self.length);
         self.singles(what, &mesh.sector_reference);
         match mesh.reference {
             Reference::Sphere => self.on_unit_sphere(what, &reference),
-            Reference::Shape { radius } => self.fixed(
+            Reference::Shape {
                 radius,
-                &Range {
-                    what: "radius of the reference shape",
-                    min: 1e-9,
-                    max: 1e6,
-                },
-            ),
+                origin,
+                volumes: [least, greatest],
+            } => {
+                self.setting("radius of the reference shape", radius, RADIUS[0], RADIUS[1]);
+                let far = LARGEST_IN_RADII * radius;
+                self.setting("axial origin", origin, -far, far);
+                self.setting("least volume", least, 1e-6, 1e6);
+                self.setting("greatest volume", greatest, least, 1e6);
+            }
         }
         self.images(mesh, nodes, sector);
         let element_nodes = usize::from(mesh.element_nodes);
@@ -216,17 +255,17 @@ impl Judge {
         self.singles("samples", stored);
         self.matrix("places of the samples", places, [rows, parameters], ANY);
         self.singles("places of the samples", places);
-        let last = parameters.saturating_sub(1);
-        let place = |sample| samples.get(sample, last);
         for second in 1..samples.rows() {
-            if place(second) < place(second - 1) {
-                let expected = "no less than the last parameter of the sample before";
-                self.number("samples", second * parameters + last, place(second), expected);
-            }
-            let mut beside = (0..second).rev().take_while(|&first| place(first) == place(second));
-            let same = |first: &usize| (0..last).all(|d| samples.get(*first, d) == samples.get(second, d));
-            if let Some(first) = beside.find(same) {
+            let first = second - 1;
+            // The last parameter in which they differ.
+            let differing = (0..parameters).rev().find(|d| samples.get(first, *d) != samples.get(second, *d));
+            let Some(d) = differing else {
                 return self.refuse(OpenError::DuplicateSample { first, second });
+            };
+            let value = samples.get(second, d);
+            if value < samples.get(first, d) {
+                let expected = "more than in the sample before, whose later parameters are the same";
+                self.number("samples", second * parameters + d, value, expected);
             }
         }
     }
@@ -261,11 +300,11 @@ impl Judge {
         for span in &field.spans {
             let columns = columns(&span.parameter_modes);
             self.matrix("parameter modes", &span.parameter_modes, [samples, columns], ANY);
-            self.matrix("core", &span.core, [span.core.rows as usize, columns], ANY);
+            self.matrix("core", &span.core, [span.core.rows as usize, columns], self.length);
             slices += self.slices(span, modes);
         }
         self.count("slices", controls, slices);
-        self.matrix("axial controls", &field.axial_controls, [controls, axial], ANY);
+        self.matrix("axial controls", &field.axial_controls, [controls, axial], self.length);
         self.matrix("axial modes", &field.axial_modes, [samples, axial], ANY);
     }
 
@@ -273,7 +312,7 @@ impl Judge {
     fn knots(&mut self, stored: &Matrix<'_>, end_time: f32) -> usize {
         let rows = stored.rows as usize;
         self.count("knots", rows.max(2 * ORDER), rows);
-        let knots = self.matrix("knots", stored, [rows, 1], POSITIVE);
+        let knots = self.matrix("knots", stored, [rows, 1], TIME);
         let controls = knots.rows().saturating_sub(ORDER);
         for index in 0..knots.rows() {
             let value = knots.get(index, 0);
@@ -436,12 +475,18 @@ impl Judge {
         }
     }
 
-    /// A matrix of at least as many rows, whose first entries rise.
+    /// A matrix of so many columns and at least so many rows, whose first entries rise.
     #[inline(never)]
-    fn rising<'a>(&mut self, what: &'static str, stored: &Matrix<'a>, columns: usize, least: usize) -> MatrixView<'a> {
+    fn rising<'a>(
+        &mut self,
+        what: &'static str,
+        stored: &Matrix<'a>,
+        [columns, least]: [usize; 2],
+        range: [f32; 2],
+    ) -> MatrixView<'a> {
         let rows = stored.rows as usize;
         self.count(what, rows.max(least), rows);
-        let view = self.matrix(what, stored, [rows, columns], POSITIVE);
+        let view = self.matrix(what, stored, [rows, columns], range);
         for index in 1..view.rows() {
             let value = view.get(index, 0);
             if value <= view.get(index - 1, 0) {

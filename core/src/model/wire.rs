@@ -37,6 +37,9 @@ pub struct Contents<'a> {
     /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between. Empty
     /// where the parameters are not (Ca, a/l) of a capsule in the channel.
     pub steady_limit: Matrix<'a>,
+    /// Distances `[n, 3]` between the full-order solution and that without bending stiffness at some configurations: rows
+    /// (Ca, a/l, modified Hausdorff distance in profile at the end as a fraction of a). May be empty.
+    pub bending_effect: Matrix<'a>,
     /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l strictly
     /// rising; linear between, and no border beyond. May be empty.
     pub border: Matrix<'a>,
@@ -62,6 +65,8 @@ pub struct Metadata<'a> {
     pub units: Units<'a>,
     /// Constitutive law of the membrane.
     pub membrane_law: &'a str,
+    /// Bending stiffness B of the full-order model, in G_s a^2, if it is known.
+    pub bending_stiffness: Option<f64>,
     /// One to four parameters, in the order of a query's; capillary number, confinement for a capsule in the channel.
     #[serde(borrow)]
     pub parameters: Vec<Parameter<'a>, MAX_PARAMETERS>,
@@ -85,6 +90,9 @@ pub struct Units<'a> {
 }
 
 /// One parameter and the range in which the model was sampled.
+///
+/// A model works with scaled parameters, (value - origin) / scale, so that values of any size and offset keep their digits. For
+/// a capsule in the channel they are Ca and a/l themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameter<'a> {
     /// Name, such as `capillary_number`.
@@ -93,6 +101,10 @@ pub struct Parameter<'a> {
     pub min: f64,
     /// Greatest sampled value.
     pub max: f64,
+    /// Value whose scaled parameter is 0; exact in single precision.
+    pub origin: f64,
+    /// Change of the value by which the scaled parameter grows by 1, > 0.
+    pub scale: f64,
 }
 
 /// Surface mesh: triangles of degree 2 or 1, stored with what symmetry cannot derive.
@@ -133,6 +145,10 @@ pub enum Reference {
     Shape {
         /// The length that stands for a in errors: the radius of the sphere of the same volume.
         radius: f64,
+        /// Axial position that is added to the stored translation.
+        origin: f64,
+        /// Least and greatest volume of the snapshots, in the volume of the sphere of that radius.
+        volumes: [f64; 2],
     },
 }
 
@@ -149,9 +165,9 @@ pub struct NodeSet<'a> {
 /// The double POD of one part of the parameter domain, and its samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cluster<'a> {
-    /// Least value of the clusters' parameter that the cluster answers for.
+    /// Least value of the clusters' scaled parameter that the cluster answers for.
     pub min: f64,
-    /// Its greatest value.
+    /// The greatest value.
     pub max: f64,
     /// Samples, by rising last parameter.
     #[serde(borrow)]
@@ -162,12 +178,15 @@ pub struct Cluster<'a> {
     pub direct_errors: Errors<'a>,
     /// Leave-one-out errors of [`Method::Paper`].
     pub paper_errors: Errors<'a>,
+    /// `[N_c, N_t - 1]`: error of the interpolation in time in the middle of each interval of the stored instants, fraction of
+    /// a; or empty where the instants are so dense that it is negligible.
+    pub interval_errors: Matrix<'a>,
 }
 
 /// Where the samples of a cluster lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples<'a> {
-    /// `[N_c, P]`: rows of parameters, all different.
+    /// `[N_c, P]`: rows of scaled parameters, rising: ordered by the last one, equal ones by the one before it.
     #[serde(borrow)]
     pub parameters: Matrix<'a>,
     /// `[N_c, P]`: their [places](crate::interpolate::Coordinates::place), in which [`Method::Direct`] takes distances.
@@ -215,8 +234,9 @@ pub struct Span<'a> {
 /// Leave-one-out errors at the samples of a cluster, by one method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors<'a> {
-    /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`: modified Hausdorff
-    /// distance in the laboratory frame, fraction of a.
+    /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`, in the laboratory frame, as a
+    /// fraction of a: modified Hausdorff distance for a capsule in the channel, mean distance of the nodes for
+    /// [`Reference::Shape`].
     #[serde(borrow)]
     pub left_out: Matrix<'a>,
     /// `[N_c, 1]`: [`Weights::deviation`](crate::interpolate::Weights::deviation) of that prediction, > 0.
@@ -242,7 +262,7 @@ pub enum Method {
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u32,
-    /// Factor of each parameter in the coordinates in which distances are taken; 1 beyond the last. With a steady limit
+    /// Factor of each scaled parameter in the coordinates in which distances are taken; 1 beyond the last. With a steady limit
     /// the coordinates are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l).
     pub scales: [f64; MAX_PARAMETERS],
 }
@@ -252,7 +272,7 @@ pub struct Kernel {
 pub struct Paper {
     /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
     pub neighbours: u32,
-    /// Weight of each parameter in the distance: (r, 1) for (Ca, a/l), eq. 27 with r on Ca, as Figure 5 shows it.
+    /// Weight of each scaled parameter in the distance: (r, 1) for (Ca, a/l), eq. 27 with r on Ca, as Figure 5 shows it.
     pub scales: [f64; MAX_PARAMETERS],
     /// R as a multiple of the distance of the M-th sample; > 1, or that sample has no weight.
     pub radius: f64,
@@ -320,7 +340,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 9 + MAX_NODE_SETS + (12 + 3 * MAX_SPANS) * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (13 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

@@ -292,6 +292,7 @@ impl Family {
             a.f32s([1.0, 2.0]);
             // The same everywhere: then Ca is a quadratic in the kernel's coordinates too.
             a.f32s([0.75, 0.14, 0.9, 0.14, 1.2, 0.14]);
+            a.f32s([0.05, 0.9, 0.003]);
             a.f32s([]);
             for (min, max) in clusters {
                 let samples = self.cluster_samples(min, max);
@@ -332,6 +333,7 @@ impl Family {
                     a.f32s(samples.iter().map(|_| 0.01));
                     a.f32s([2.0, 3.0]);
                 }
+                a.f32s(samples.iter().flat_map(|_| self.times[1..].iter().map(|_| 0.0)));
             }
         });
         let mut next = arena.arrays();
@@ -352,7 +354,8 @@ impl Family {
                 .collect(),
         };
         let (times, error_times) = (f32(self.times.len(), 1, blob()), f32(2, 1, blob()));
-        let (steady_limit, border) = (f32(3, 2, blob()), f32(0, 2, blob()));
+        let steady_limit = f32(3, 2, blob());
+        let (bending_effect, border) = (f32(1, 3, blob()), f32(0, 2, blob()));
         let clusters = clusters.into_iter().map(|(min, max)| {
             let count = self.cluster_samples(min, max).len();
             let samples = Samples {
@@ -382,6 +385,7 @@ impl Family {
                 floor: 1e-5,
             };
             let (direct_errors, paper_errors) = (errors(), errors());
+            let interval_errors = f32(count, self.times.len() - 1, blob());
             Cluster {
                 min,
                 max,
@@ -389,6 +393,7 @@ impl Family {
                 field,
                 direct_errors,
                 paper_errors,
+                interval_errors,
             }
         });
         let clusters = clusters.collect();
@@ -401,9 +406,16 @@ impl Family {
                     time: "l/V",
                 },
                 membrane_law: "none",
+                bending_stiffness: Some(1e-4),
                 parameters: [("capillary_number", 0.005, 0.2), ("confinement", 0.75, 1.2)]
                     .into_iter()
-                    .map(|(name, min, max)| Parameter { name, min, max })
+                    .map(|(name, min, max)| Parameter {
+                        name,
+                        min,
+                        max,
+                        origin: 0.0,
+                        scale: 1.0,
+                    })
                     .collect(),
                 database_digest: "",
                 offline_settings: "{}",
@@ -413,6 +425,7 @@ impl Family {
             times,
             error_times,
             steady_limit,
+            bending_effect,
             border,
             default_method: Method::Direct,
             kernel: Kernel {
@@ -435,7 +448,7 @@ impl Family {
     fn cluster_samples(&self, min: f64, max: f64) -> Vec<[f64; 2]> {
         let inside = |sample: &&[f64; 2]| min - 1e-9 <= sample[1] && sample[1] <= max + 1e-9;
         let mut samples: Vec<[f64; 2]> = self.samples.iter().filter(inside).copied().collect();
-        samples.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        samples.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
         samples
     }
 
