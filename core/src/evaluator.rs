@@ -390,6 +390,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         Ok([volume, reach.get()])
     }
 
+    /// Takes the shape at this instant as it is, without the check that an extrapolated one waits for: to measure how wrong it
+    /// is.
+    pub fn unchecked(&mut self) {
+        self.workspace.plausible = Some(self.t);
+    }
+
     /// Refuses an extrapolated shape that no capsule can have. Inside the domain the bound of the error says how good it is.
     fn plausible(&mut self) -> Result<(), EvaluateError> {
         /// What a volume may deviate by.

@@ -66,6 +66,12 @@ impl Description {
         }
     }
 
+    /// The bending stiffness of the membrane in G_s a^2, as far as the solver's settings tell.
+    #[must_use]
+    pub fn bending_stiffness(&self) -> Option<f64> {
+        self.solver.pointer("/membrane/harmonics/bending")?.as_f64()
+    }
+
     /// Writes `database.json` into `directory`.
     pub(crate) fn write(&self, directory: &Path) -> Result<(), DatabaseError> {
         let path = path(directory);

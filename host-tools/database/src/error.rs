@@ -22,6 +22,16 @@ pub enum DatabaseError {
         /// The directory.
         path: PathBuf,
     },
+    /// A row of a table is not what it should be.
+    #[error("{}: row {row} below the heading: expected {expected}", path.display())]
+    BadRow {
+        /// The table.
+        path: PathBuf,
+        /// The row, counted from 1.
+        row: usize,
+        /// What would be right.
+        expected: &'static str,
+    },
     /// Databases that should be of the same settings and mesh are not.
     #[error("{} holds a database of another kind: they differ in {difference}", path.display())]
     Different {

@@ -4,6 +4,7 @@
 //!
 //! - `database.json`: format version, names of the parameters, units, instants of the snapshots, solver settings;
 //! - `mesh.npz`: the reference nodes on the unit sphere, the quadratic triangles and the symmetry tables;
+//! - `bending.csv`, where it has been computed: the effect of the bending stiffness at some configurations;
 //! - `ca0.1000_al0.9000.npz` and the like: one file a configuration, written whole or not at all.
 //!
 //! [`Database`] reads and writes it and may be shared by the threads of a sweep. [`Trajectory`] is one configuration in
@@ -16,6 +17,7 @@
 //! Lengths are in l (half the duct's side), velocities in V, times in l/V.
 
 mod atomic;
+mod bending;
 pub mod collection;
 pub mod compact;
 mod database;
@@ -32,6 +34,7 @@ mod trajectory;
 pub mod vtu;
 
 pub use atomic::write as write_whole;
+pub use bending::BendingEffect;
 pub use collection::Collection;
 pub use database::{Database, Entry};
 pub use description::{Description, Difference, Parameter};

@@ -9,9 +9,9 @@
 use rayon::prelude::*;
 
 use crate::OfflineError;
-use crate::build::{Plan, Reduced};
 use crate::compare::{METHODS, distances, predictions};
-use crate::samples::{SAME_ROW, Sample};
+use crate::plan::{Assembled, Plan, Reduced};
+use crate::samples::{SAME_ROW, Sample, Truth};
 use crate::writer::ClusterParts;
 use capsule_core::{Domain, Model, Parameters};
 
@@ -25,11 +25,33 @@ const FEWEST: usize = 20;
 const PLACES: f64 = 1e4;
 
 /// The bound over the expected error, at each of the instants, for each method. 1 where no row can be left out.
-pub(crate) fn bound_factors(
-    plan: &Plan,
-    reduced: &[Reduced],
-    clusters: &[&ClusterParts],
-) -> Result<[Vec<f64>; 2], OfflineError> {
+///
+/// Of other people's data a model of every other instant is asked too, at the instants that were left out of it: they lie as far from
+/// those that it knows as any query.
+pub(crate) fn bound_factors(model: &Assembled, coarser: Option<&Assembled>) -> Result<[Vec<f64>; 2], OfflineError> {
+    let stored = weighted_ratios(model, |sample| &sample.truth)?;
+    let held_out = coarser.map(|coarser| weighted_ratios(coarser, |sample| &sample.held_out));
+    let held_out = held_out.transpose()?.unwrap_or_default();
+    let held_out_times: Vec<f64> = match coarser {
+        Some(coarser) => coarser.plan.samples[0].held_out.iter().map(|truth| truth.time).collect(),
+        None => Vec::new(),
+    };
+    let factor = |method: usize, instant: usize, time: f64| {
+        let apart = |i: &usize| (held_out_times[*i] - time).abs();
+        let nearest = (0..held_out_times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let of = |instant: usize| move |(part, ratios): &(f64, Ratios)| (ratios[method][instant], *part);
+        let beside = nearest.into_iter().flat_map(|nearest| held_out.iter().map(of(nearest)));
+        quantile(stored.iter().map(of(instant)).chain(beside).collect()).unwrap_or(1.0)
+    };
+    let times = model.plan.error_times();
+    let of_method = |method| times.iter().enumerate().map(|(i, time)| factor(method, i, *time)).collect();
+    Ok([0, 1].map(of_method))
+}
+
+/// True over expected errors at instants of the truth, with the part of the domain that each sample stands for: of each sample from
+/// the other rows alone, and from all.
+fn weighted_ratios(model: &Assembled, truth: fn(&Sample) -> &[Truth]) -> Result<Vec<(f64, Ratios)>, OfflineError> {
+    let Assembled { plan, reduced, built } = model;
     let tasks: Vec<(usize, usize)> = reduced
         .iter()
         .enumerate()
@@ -39,7 +61,7 @@ pub(crate) fn bound_factors(
             plan.inside(sample) && plan.answering(&sample.parameters) == *c
         })
         .collect();
-    let files: Result<Vec<Vec<u8>>, OfflineError> = clusters.iter().map(|parts| plan.write(&[parts])).collect();
+    let files: Result<Vec<Vec<u8>>, OfflineError> = built.iter().map(|b| plan.write(&[&b.parts])).collect();
     let files = files?;
     let models: Result<Vec<Model<'_>>, OfflineError> = files
         .iter()
@@ -52,23 +74,16 @@ pub(crate) fn bound_factors(
     let both: Result<Vec<Option<[Ratios; 2]>>, OfflineError> = tasks
         .par_iter()
         .map(|(c, j)| {
-            let left_out = row_left_out(plan, &reduced[*c], *j, clusters[*c])?;
+            let left_out = row_left_out(plan, &reduced[*c], *j, &built[*c].parts, truth)?;
             let Some(left_out) = left_out else { return Ok(None) };
-            Ok(Some([left_out, ratios(plan, &models[*c], sample(&(*c, *j)))?]))
+            Ok(Some([left_out, ratios(plan, &models[*c], sample(&(*c, *j)), truth)?]))
         })
         .collect();
-    let weighted: Vec<(f64, Ratios)> = parts
-        .into_iter()
-        .zip(both?)
+    let weighted = parts.into_iter().zip(both?);
+    Ok(weighted
         .filter_map(|(part, both)| Some(both?.map(|ratios| (part, ratios))))
         .flatten()
-        .collect();
-    let factor = |method: usize, instant: usize| {
-        let values = weighted.iter().map(|(part, ratios)| (ratios[method][instant], *part));
-        quantile(values.collect()).unwrap_or(1.0)
-    };
-    let instants = 0..plan.error_times().len();
-    Ok([0, 1].map(|method| instants.clone().map(|instant| factor(method, instant)).collect()))
+        .collect())
 }
 
 /// The value that values with [`SHARE`] of the weight do not exceed; the greatest of few.
@@ -96,7 +111,7 @@ fn parts_of_domain(plan: &Plan, models: &[Model<'_>], parameters: &[&[f64]]) -> 
             .enumerate()
             .map(|(d, [low, high])| low + (high - low) * share(d) / along as f64)
             .collect();
-        let inside = Parameters::new(&place).is_some_and(|place| models[0].domain(place) == Domain::Inside);
+        let inside = Parameters::new(&place).is_some_and(|place| models[0].domain(place) == Ok(Domain::Inside));
         let square = |of: &[f64]| -> f64 {
             let offsets = of.iter().zip(&place).zip(ranges);
             offsets
@@ -121,6 +136,7 @@ fn row_left_out(
     cluster: &Reduced,
     place: usize,
     parts: &ClusterParts,
+    truth: fn(&Sample) -> &[Truth],
 ) -> Result<Option<Ratios>, OfflineError> {
     let members = &cluster.part.members;
     let sample = &plan.samples[members[place]];
@@ -137,18 +153,24 @@ fn row_left_out(
     }
     let bytes = plan.write(&[&parts.without(&row)])?;
     let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
-    Ok(Some(ratios(plan, &model, sample)?))
+    Ok(Some(ratios(plan, &model, sample, truth)?))
 }
 
 /// Those of a sample as a model predicts it.
-fn ratios(plan: &Plan, model: &Model<'_>, sample: &Sample) -> Result<Ratios, OfflineError> {
+fn ratios(
+    plan: &Plan,
+    model: &Model<'_>,
+    sample: &Sample,
+    truth: fn(&Sample) -> &[Truth],
+) -> Result<Ratios, OfflineError> {
+    let truth = truth(sample);
     let ratios = METHODS.map(|method| {
         let predictions =
-            predictions(model, &sample.parameters, method, &sample.truth).map_err(|source| OfflineError::Evaluate {
-                parameters: sample.parameters.clone(),
+            predictions(model, &sample.parameters, method, truth).map_err(|source| OfflineError::Evaluate {
+                parameters: sample.given.clone(),
                 source,
             })?;
-        let [laboratory, _] = distances(model, &sample.parameters, &predictions, &sample.truth, &plan.sector);
+        let [laboratory, _] = distances(model, &sample.parameters, &predictions, truth, &plan.distance);
         let expected = predictions.iter().map(|p| p.expected.max(f64::MIN_POSITIVE));
         Ok(laboratory
             .iter()

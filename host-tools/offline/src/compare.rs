@@ -7,7 +7,8 @@ use capsule_core::{Domain, EvaluateError, Evaluator, Frame, Model, Nodes, Parame
 use capsule_database::{Database, Entry};
 use rayon::prelude::*;
 
-use crate::hausdorff::{Sector, symmetric_modified_hausdorff};
+use crate::distance::Distance;
+use crate::hausdorff::Sector;
 use crate::samples::Truth;
 use crate::{OfflineError, Progress};
 
@@ -31,7 +32,7 @@ pub struct Comparison {
     pub shape: Vec<f64>,
     /// The error that the model expects: laboratory frame, fraction of a.
     pub expected: Vec<f64>,
-    /// The bound that the model gives for it.
+    /// The bound that the model gives for it; 1000 where it gives none.
     pub bound: Vec<f64>,
     /// Greatest relative error of the volume.
     pub volume: f64,
@@ -51,12 +52,12 @@ pub fn compare(
     progress: Progress,
 ) -> Result<(Vec<f64>, Vec<Comparison>), OfflineError> {
     let times = stored(database, times);
-    let sector = Sector::of(database.symmetry());
+    let distance = Distance::ModifiedHausdorff(Sector::of(database.symmetry()));
     let inside = inside(model, database)?;
     let done = AtomicUsize::new(0);
     let compared = inside.par_iter().map(|parameters| {
         let truth = Truth::read(database, parameters, &times)?;
-        let compared = METHODS.map(|method| one(model, database, parameters, method, &truth, &sector));
+        let compared = METHODS.map(|method| one(model, database, parameters, method, &truth, &distance));
         progress("compare", 1 + done.fetch_add(1, Ordering::Relaxed), inside.len());
         let [direct, paper] = compared;
         Ok([direct?, paper?])
@@ -69,7 +70,7 @@ pub fn compare(
 pub(crate) fn stored(database: &Database, times: &[f64]) -> Vec<f64> {
     let known = |time: &f64| {
         let mut stored = database.times().iter();
-        stored.any(|t| (t - time).abs() < crate::build::SAME_TIME)
+        stored.any(|t| (t - time).abs() < crate::plan::SAME_TIME)
     };
     times.iter().copied().filter(known).collect()
 }
@@ -79,7 +80,7 @@ pub(crate) fn inside(model: &Model, database: &Database) -> Result<Vec<Vec<f64>>
     let inside = |entry: &Entry| {
         let complete = entry.status.is_steady() || entry.snapshots == database.times().len();
         let parameters = Parameters::new(&entry.parameters);
-        complete && parameters.is_some_and(|parameters| model.domain(parameters) == Domain::Inside)
+        complete && parameters.is_some_and(|parameters| model.domain(parameters) == Ok(Domain::Inside))
     };
     let entries = database.entries()?.into_iter();
     Ok(entries.filter(inside).map(|entry| entry.parameters).collect())
@@ -91,13 +92,13 @@ fn one(
     parameters: &[f64],
     method: Method,
     truth: &[Truth],
-    sector: &Sector,
+    distance: &Distance,
 ) -> Result<Comparison, OfflineError> {
     let predictions = predictions(model, parameters, method, truth).map_err(|source| OfflineError::Evaluate {
         parameters: parameters.to_vec(),
         source,
     })?;
-    let [laboratory, shape] = distances(model, parameters, &predictions, truth, sector);
+    let [laboratory, shape] = distances(model, parameters, &predictions, truth, distance);
     let (mut volume, mut beyond_walls) = (0.0, f64::NEG_INFINITY);
     for (prediction, truth) in predictions.iter().zip(truth) {
         let Some(positions) = &prediction.positions else {
@@ -166,6 +167,7 @@ pub(crate) fn predictions(
     };
     let mut at = |truth: &Truth| {
         let mut instant = evaluator.at(truth.time)?;
+        instant.unchecked();
         let mut positions = vec![[0.0; 3]; truth.positions.len()];
         let positions = match instant.positions(&scene, &mut positions) {
             Err(EvaluateError::NotFinite) => None,
@@ -173,10 +175,10 @@ pub(crate) fn predictions(
         };
         Ok(Prediction {
             positions,
-            centroid: instant.centroid(),
-            expected: instant.expected_error(),
-            bound: instant.error_bound(),
-            deviation: instant.deviation(),
+            centroid: instant.centroid().unwrap_or(0.0),
+            expected: instant.expected_error()?.min(DIVERGED),
+            bound: instant.error_bound().map_or(DIVERGED, |bound| bound.min(DIVERGED)),
+            deviation: instant.deviation()?,
         })
     };
     truth.iter().map(&mut at).collect()
@@ -188,14 +190,14 @@ pub(crate) fn distances(
     parameters: &[f64],
     predictions: &[Prediction],
     truth: &[Truth],
-    sector: &Sector,
+    measure: &Distance,
 ) -> [Vec<f64>; 2] {
     let radius = Parameters::new(parameters).map_or(1.0, |parameters| model.radius(parameters));
     let distance = |prediction: &Prediction, truth: &Truth, offset: f64| match &prediction.positions {
         None => DIVERGED,
         Some(positions) => {
             let moved: Vec<[f64; 3]> = positions.iter().map(|[x, y, z]| [x - offset, *y, *z]).collect();
-            (symmetric_modified_hausdorff(&moved, &truth.positions, sector) / radius).min(DIVERGED)
+            (measure.between(&moved, &truth.positions) / radius).min(DIVERGED)
         }
     };
     let both = || predictions.iter().zip(truth);

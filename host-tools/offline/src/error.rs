@@ -24,6 +24,18 @@ pub enum OfflineError {
         /// The instants of the errors that were asked for.
         error_times: Vec<f64>,
     },
+    /// A number is too large or too small for a model file, in whatever unit it is.
+    #[error("{what} is {value:e}; it must be in [{least:e}, {greatest:e}]: give it in another unit")]
+    OutOfScale {
+        /// Of what.
+        what: String,
+        /// The number.
+        value: f64,
+        /// The least that can be.
+        least: f64,
+        /// The greatest that can be.
+        greatest: f64,
+    },
     /// There are too few configurations.
     #[error("{found} configurations with {parameter} in [{}, {}]; at least {needed} are needed", range[0], range[1])]
     TooFewSamples {

@@ -33,6 +33,7 @@ pub fn modified_hausdorff(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 }
 
 /// One representative of each orbit of a symmetry, and the size of its orbit.
+#[derive(Clone)]
 pub(crate) struct Sector {
     pub(crate) nodes: Vec<u32>,
     pub(crate) orbits: Vec<f64>,

@@ -9,6 +9,7 @@ use capsule_database::{Database, DatabaseError};
 use rayon::prelude::*;
 
 use crate::compare::{Prediction, distances, given, inside, stored};
+use crate::distance::Distance;
 use crate::hausdorff::Sector;
 use crate::samples::Truth;
 use crate::{OfflineError, Progress};
@@ -45,7 +46,7 @@ pub fn interpolated(
         return Err(DatabaseError::WrongLength { what, expected, found }.into());
     }
     let times = stored(tests, times);
-    let sector = Sector::of(tests.symmetry());
+    let distance = Distance::ModifiedHausdorff(Sector::of(tests.symmetry()));
     let inside = inside(model, tests)?;
     let done = AtomicUsize::new(0);
     let one = |parameters: &Vec<f64>| {
@@ -58,7 +59,7 @@ pub fn interpolated(
             add(&mut sums, weight, Truth::read(samples, &sample, &times)?);
         }
         let truth = Truth::read(tests, parameters, &times)?;
-        let [laboratory, shape] = distances(model, parameters, &sums, &truth, &sector);
+        let [laboratory, shape] = distances(model, parameters, &sums, &truth, &distance);
         progress("interpolate", 1 + done.fetch_add(1, Ordering::Relaxed), inside.len());
         Ok(Interpolated {
             parameters: parameters.clone(),
@@ -81,7 +82,7 @@ fn weights(model: &Model, parameters: &[f64]) -> Result<Vec<(Vec<f64>, f64)>, Ev
         &contents.kernel,
         &coordinates,
         &cluster.samples,
-        &parameters,
+        &model.scaled(&parameters),
         None,
         &mut scratch,
     )?;

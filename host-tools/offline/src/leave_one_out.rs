@@ -7,7 +7,7 @@ use capsule_core::model::wire::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::build::{Plan, Reduced};
+use crate::plan::{Plan, Reduced};
 use crate::compare::{METHODS, distances, predictions};
 use crate::writer::ClusterParts;
 use crate::{OfflineError, Progress, Settings, Source};
@@ -25,7 +25,8 @@ pub struct LeftOut {
     pub inside: bool,
     /// The method.
     pub method: Method,
-    /// Modified Hausdorff distance in the laboratory frame at each instant of the errors, as a fraction of a.
+    /// Distance in the laboratory frame at each instant of the errors, as a fraction of a: modified Hausdorff distance, or the mean
+    /// distance of the nodes of other people's data.
     pub laboratory: Vec<f64>,
     /// The same in the frame of the volume centroid: of the shape alone.
     pub shape: Vec<f64>,
@@ -100,12 +101,12 @@ pub(crate) fn left_out(
     let parameters = &sample.parameters;
     let predictions =
         predictions(&model, parameters, method, &sample.truth).map_err(|source| OfflineError::Evaluate {
-            parameters: parameters.clone(),
+            parameters: sample.given.clone(),
             source,
         })?;
-    let [laboratory, shape] = distances(&model, parameters, &predictions, &sample.truth, &plan.sector);
+    let [laboratory, shape] = distances(&model, parameters, &predictions, &sample.truth, &plan.distance);
     Ok(LeftOut {
-        parameters: parameters.clone(),
+        parameters: sample.given.clone(),
         cluster: index,
         answers: plan.answering(parameters) == index,
         inside: plan.inside(sample),

@@ -26,7 +26,9 @@ pub(crate) struct State {
 
 /// One configuration.
 pub(crate) struct Sample {
-    /// (Ca, a/l), or those of other people's data.
+    /// (Ca, a/l), or those of other people's data, as they were given.
+    pub(crate) given: Vec<f64>,
+    /// In the working units.
     pub(crate) parameters: Vec<f64>,
     pub(crate) steady: bool,
     pub(crate) dent: Dent,
@@ -34,6 +36,8 @@ pub(crate) struct Sample {
     pub(crate) velocity: State,
     /// What a prediction is compared with.
     pub(crate) truth: Vec<Truth>,
+    /// The same at instants that the model was not built from.
+    pub(crate) held_out: Vec<Truth>,
 }
 
 /// The dent of the rear: how far the rear pole lies before the rearmost point.
@@ -160,12 +164,14 @@ fn sample(database: &Database, stored: &Trajectory, spacing: f64, truth_times: &
     }
     let [displacement, velocity] = states(mesh, symmetry, confinement, &trajectory, &speeds);
     Ok(Sample {
+        given: stored.parameters.clone(),
         parameters: stored.parameters.clone(),
         steady: stored.status.is_steady(),
         dent: dent(database.mesh(), stored),
         displacement,
         velocity,
         truth: truths(stored.extended(mesh, truth_times)?),
+        held_out: Vec::new(),
     })
 }
 
@@ -219,7 +225,8 @@ fn truths(trajectory: Trajectory) -> Vec<Truth> {
     instants.map(truth).collect()
 }
 
-/// The configurations of other people's data, on their reference mesh.
+/// The configurations of other people's data in the working units, on their reference mesh; `given` are their parameters in
+/// the data's units.
 ///
 /// # Errors
 /// The database's errors.
@@ -228,6 +235,7 @@ pub(crate) fn of_collection(
     mesh: &Mesh,
     symmetry: &Symmetry,
     truth_times: &[f64],
+    given: &[Vec<f64>],
     progress: Progress,
 ) -> Result<Vec<Sample>, OfflineError> {
     let count = collection.parameters.len();
@@ -246,6 +254,7 @@ pub(crate) fn of_collection(
             count,
         );
         Ok(Sample {
+            given: given[configuration].clone(),
             parameters: collection.parameters[configuration].clone(),
             // What it has not stopped doing it may go on doing: nothing is extended.
             steady: true,
@@ -253,6 +262,7 @@ pub(crate) fn of_collection(
             displacement,
             velocity,
             truth,
+            held_out: Vec::new(),
         })
     };
     (0..count).into_par_iter().map(sample).collect()

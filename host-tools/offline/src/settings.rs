@@ -149,7 +149,7 @@ impl Default for Settings {
 }
 
 /// Number of instants at which the errors of a model of other people's data are measured.
-const ERROR_INSTANTS: usize = 8;
+const ERROR_INSTANTS: usize = 32;
 
 impl Settings {
     /// The settings for other people's data: a tolerance of 1e-4 of the capsule's radius, distances in which all parameters have the same range, and one cluster.
@@ -159,10 +159,8 @@ impl Settings {
     pub fn of_collection(collection: &Collection) -> Result<Self, OfflineError> {
         let (_, radius) = collection.reference()?;
         let domain = collection.ranges();
-        let mut scales = [1.0; MAX_PARAMETERS];
-        for (scale, [low, high]) in scales.iter_mut().zip(&domain) {
-            *scale = if high > low { 1.0 / (high - low) } else { 1.0 };
-        }
+        // Of parameters that are scaled to the same range.
+        let scales = [1.0; MAX_PARAMETERS];
         // Twice the monomials of degree two and more, as far as the core's workspace holds them.
         let (kernel, paper) = match domain.len() {
             1 => (10, 6),

@@ -6,8 +6,8 @@ use capsule_core::Model;
 use capsule_core::model::wire::Method;
 use capsule_database::Database;
 
-use crate::build::{Plan, Reduced};
 use crate::leave_one_out::{LeftOut, left_out};
+use crate::plan::{Plan, Reduced};
 use crate::writer::{ClusterParts, ErrorParts};
 use crate::{OfflineError, Progress, Settings};
 

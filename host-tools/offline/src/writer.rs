@@ -12,6 +12,7 @@ use faer::Mat;
 use std::ops::Range;
 
 use crate::pod::{DoublePod, LANES, Snapshots, SpanPod};
+use crate::scaling::Scaling;
 use crate::settings::Storage;
 use crate::{LeftOut, OfflineError, Settings};
 
@@ -94,6 +95,20 @@ impl Numbers {
         }
     }
 
+    /// The numbers times a factor: of integers their units.
+    fn times(&self, factor: f64) -> Self {
+        let numbers = match self.encoding {
+            Encoding::F32 => self.rows * self.columns,
+            Encoding::RowPanels(_) => self.rows,
+            _ => self.columns,
+        };
+        let mut bytes = self.bytes.clone();
+        for number in bytes.as_chunks_mut::<4>().0.iter_mut().take(numbers) {
+            *number = ((f64::from(f32::from_le_bytes(*number)) * factor) as f32).to_le_bytes();
+        }
+        Numbers { bytes, ..*self }
+    }
+
     pub(crate) fn column(values: &[f64]) -> Self {
         Numbers::new(values.len(), 1, |i, _| values[i])
     }
@@ -154,6 +169,7 @@ fn greatest_multiple(two_digits: bool) -> f64 {
 }
 
 /// The mesh as the file holds it.
+#[derive(Clone)]
 pub(crate) struct MeshParts {
     nodes: usize,
     element_nodes: usize,
@@ -187,7 +203,7 @@ impl MeshParts {
         let outlines = match reference {
             Reference::Sphere => outlines(&mesh.nodes, 1.0)?,
             // Nodes stay in the planes of the outlines by symmetry alone.
-            Reference::Shape { radius } if symmetry.order() == 8 => outlines(&mesh.nodes, radius).unwrap_or_default(),
+            Reference::Shape { radius, .. } if symmetry.order() == 8 => outlines(&mesh.nodes, radius).unwrap_or_default(),
             Reference::Shape { .. } => Vec::new(),
         };
         let order = order(symmetry, outlines.iter().flat_map(|(_, nodes)| nodes));
@@ -223,6 +239,26 @@ impl MeshParts {
     /// The square root of the orbit's size of each sector node.
     pub(crate) fn scales(&self) -> &[f64] {
         &self.scales
+    }
+
+    /// In the units of the data.
+    fn scaled(&self, scaling: &Scaling) -> Self {
+        MeshParts {
+            sector_reference: self.sector_reference.times(scaling.length),
+            reference: match self.reference {
+                Reference::Sphere => Reference::Sphere,
+                Reference::Shape {
+                    radius,
+                    origin,
+                    volumes,
+                } => Reference::Shape {
+                    radius: scaling.length * radius,
+                    origin: scaling.origin + scaling.length * origin,
+                    volumes,
+                },
+            },
+            ..self.clone()
+        }
     }
 
     fn wire(&self) -> wire::Mesh<'_> {
@@ -303,6 +339,7 @@ fn outline(
 }
 
 /// Errors of one method at the samples of a cluster.
+#[derive(Clone)]
 pub(crate) struct ErrorParts {
     /// `[N_c, N_e]`
     pub(crate) left_out: Numbers,
@@ -407,6 +444,14 @@ impl SpanParts {
         }
     }
 
+    /// In another unit of length.
+    fn scaled(&self, length: f64) -> Self {
+        SpanParts {
+            core: self.core.times(length),
+            ..self.clone()
+        }
+    }
+
     fn wire(&self) -> Span<'_> {
         Span {
             parameter_modes: self.parameter_modes.matrix(),
@@ -461,6 +506,16 @@ impl FieldParts {
         }
     }
 
+    /// In the units of the data.
+    fn scaled(&self, scaling: &Scaling) -> Self {
+        FieldParts {
+            knots: self.knots.times(scaling.time),
+            spans: self.spans.iter().map(|span| span.scaled(scaling.length)).collect(),
+            axial_controls: self.axial_controls.times(scaling.length),
+            ..self.clone()
+        }
+    }
+
     fn wire(&self) -> Field<'_> {
         Field {
             modes: self.modes.matrix(),
@@ -480,12 +535,15 @@ impl FieldParts {
 }
 
 /// One cluster as the file holds it.
+#[derive(Clone)]
 pub(crate) struct ClusterParts {
     range: [f64; 2],
     samples: Numbers,
     field: FieldParts,
     /// Of the direct method and of the paper's.
     pub(crate) errors: [ErrorParts; 2],
+    /// Errors between the instants, `[N_c, N_t - 1]`, or none.
+    pub(crate) interval_errors: Numbers,
 }
 
 impl ClusterParts {
@@ -509,6 +567,7 @@ impl ClusterParts {
             ),
             field: FieldParts::new(snapshots, pod, mesh, storage),
             errors: [unknown(), unknown()],
+            interval_errors: Numbers::new(0, 0, |_, _| 0.0),
         }
     }
 
@@ -518,7 +577,16 @@ impl ClusterParts {
             samples: self.samples.without(out),
             field: self.field.without(out),
             errors: self.errors.each_ref().map(|errors| errors.without(out)),
+            interval_errors: self.interval_errors.without(out),
             range: self.range,
+        }
+    }
+
+    /// In the units of the data.
+    fn scaled(&self, scaling: &Scaling) -> Self {
+        ClusterParts {
+            field: self.field.scaled(scaling),
+            ..self.clone()
         }
     }
 
@@ -546,11 +614,13 @@ impl ClusterParts {
             field: self.field.wire(),
             direct_errors: self.errors[0].wire(),
             paper_errors: self.errors[1].wire(),
+            interval_errors: self.interval_errors.matrix(),
         }
     }
 }
 
 /// Names of the units.
+#[derive(Clone)]
 pub(crate) struct Units {
     length: String,
     velocity: String,
@@ -583,10 +653,14 @@ pub(crate) struct Domain {
     /// The parameters' names.
     pub(crate) names: Vec<String>,
     pub(crate) units: Units,
-    /// Least and greatest value of each parameter.
+    /// Least and greatest value of each parameter, in the working units.
     pub(crate) ranges: Vec<[f64; 2]>,
     /// (a/l, Ca)
     pub(crate) steady_limit: Vec<[f64; 2]>,
+    /// In G_s a^2, if it is known.
+    pub(crate) bending_stiffness: Option<f64>,
+    /// (Ca, a/l, effect of the bending stiffness as a fraction of a)
+    pub(crate) bending_effect: Vec<[f64; 3]>,
     /// (a/l, Ca)
     pub(crate) border: Vec<[f64; 2]>,
     pub(crate) times: Vec<f64>,
@@ -595,33 +669,39 @@ pub(crate) struct Domain {
     pub(crate) database_digest: String,
 }
 
-/// Writes a model file.
+/// Writes a model file in the units that `scaling` leads to. The settings are told as they were given, and used in the working
+/// units.
 ///
 /// # Errors
 /// [`OfflineError::Encode`].
 pub(crate) fn write(
-    settings: &Settings,
+    [given, settings]: [&Settings; 2],
     domain: &Domain,
     mesh: &MeshParts,
     clusters: &[&ClusterParts],
+    scaling: &Scaling,
 ) -> Result<Vec<u8>, OfflineError> {
     // The creation time is not a setting of the mathematics, and has its own place.
     let text = serde_json::to_string(&Settings {
         created_unix_s: 0,
-        ..settings.clone()
+        ..given.clone()
     })
     .unwrap_or_default();
-    let times = Numbers::column(&domain.times);
-    let error_times = Numbers::column(&domain.error_times);
+    let [times, error_times] = [&domain.times, &domain.error_times].map(|t| Numbers::column(t).times(scaling.time));
     let limit = Numbers::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
     let border = Numbers::new(domain.border.len(), 2, |i, d| domain.border[i][d]);
-    let parameters = domain.names.iter().zip(&domain.ranges);
-    let parameters = parameters.map(|(name, [min, max])| Parameter {
+    let effect = Numbers::new(domain.bending_effect.len(), 3, |i, d| domain.bending_effect[i][d]);
+    let parameters = domain.names.iter().zip(&scaling.parameters);
+    let parameters = parameters.map(|(name, parameter)| Parameter {
         name,
-        min: *min,
-        max: *max,
+        min: parameter.range[0],
+        max: parameter.range[1],
+        origin: parameter.origin,
+        scale: parameter.scale,
     });
     let [limit_matrix, border_matrix] = [&limit, &border].map(Numbers::matrix);
+    let mesh = mesh.scaled(scaling);
+    let clusters: Vec<ClusterParts> = clusters.iter().map(|cluster| cluster.scaled(scaling)).collect();
     let coordinates = Coordinates {
         scales: settings.kernel.scales,
         limit: (limit.rows > 0).then_some(Curve::new(&limit_matrix)),
@@ -637,6 +717,7 @@ pub(crate) fn write(
                 time: &domain.units.time,
             },
             membrane_law: &settings.membrane_law,
+            bending_stiffness: domain.bending_stiffness,
             parameters: parameters.collect(),
             database_digest: &domain.database_digest,
             offline_settings: &text,
@@ -646,6 +727,7 @@ pub(crate) fn write(
         times: times.matrix(),
         error_times: error_times.matrix(),
         steady_limit: limit_matrix,
+        bending_effect: effect.matrix(),
         border: border_matrix,
         default_method: settings.default_method,
         kernel: settings.kernel,
@@ -661,9 +743,10 @@ pub(crate) fn write(
         + mesh.origins.len()
         + times.bytes.len()
         + limit.bytes.len()
+        + effect.bytes.len()
         + border.bytes.len();
-    for cluster in clusters {
-        room += cluster.field.length() + 2 * cluster.samples.bytes.len();
+    for cluster in &clusters {
+        room += cluster.field.length() + 2 * cluster.samples.bytes.len() + cluster.interval_errors.bytes.len();
         room += cluster
             .errors
             .iter()

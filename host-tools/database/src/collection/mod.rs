@@ -172,6 +172,15 @@ impl Collection {
         })
     }
 
+    /// Whether the velocities are the derivative of the spline through the positions, as [`Collection::new`] computes it where none
+    /// are given.
+    #[must_use]
+    pub fn velocities_are_derived(&self) -> bool {
+        let derivative = spline::Derivative::new(&self.times);
+        let mut runs = self.positions.iter().zip(&self.velocities);
+        runs.all(|(positions, velocities)| derivative.of(positions) == *velocities)
+    }
+
     /// Least and greatest value of each parameter.
     #[must_use]
     pub fn ranges(&self) -> Vec<[f64; 2]> {

@@ -1,0 +1,136 @@
+//! The stated bound of models of other people's data: families with known answers, asked at parameters and instants that no
+//! snapshot has.
+
+mod support;
+
+use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace};
+use capsule_database::{Collection, Mesh};
+use capsule_offline::{Settings, build};
+
+/// Stretch, dent and axial position at parameters in the unit square and t in [0, 2].
+type Family = fn(f64, f64, f64) -> [f64; 3];
+
+fn smooth(p: f64, q: f64, t: f64) -> [f64; 3] {
+    [
+        1.0 + 0.25 * (1.3 * t * (1.0 + 0.5 * p)).sin() + 0.05 * q * t,
+        0.1 * (2.0 * p + t).cos() * q,
+        (1.0 + 0.3 * (2.0 * p).sin() + 0.2 * q * q) * t,
+    ]
+}
+
+/// Relaxes within one or two intervals of the instants.
+fn stiff(p: f64, q: f64, t: f64) -> [f64; 3] {
+    let relaxed = 1.0 - (-t / (0.08 + 0.1 * p)).exp();
+    [
+        1.0 + (0.2 + 0.1 * q) * relaxed,
+        0.1 * (p + q).sin() * relaxed,
+        (1.0 + 0.2 * p) * t + 0.05 * relaxed,
+    ]
+}
+
+/// A dent that starts at an instant of its own.
+fn kinked(p: f64, q: f64, t: f64) -> [f64; 3] {
+    let start = 0.5 + 0.6 * p + 0.2 * q;
+    [
+        1.0 + 0.2 * (t * (1.0 + 0.3 * q)).sin(),
+        0.15 * (t - start).max(0.0),
+        (1.0 + 0.2 * p) * t - 0.1 * (t - start).max(0.0),
+    ]
+}
+
+/// The nodes of a volume-preserving stretch with a dent behind.
+fn nodes(mesh: &Mesh, [stretch, dent, position]: [f64; 3]) -> Vec<[f64; 3]> {
+    let across = 1.0 / stretch.sqrt();
+    let node = |[x, y, z]: &[f64; 3]| {
+        let dented = stretch * x - dent * (y * y + z * z) * (1.0 - x);
+        [dented + position, across * y, across * z]
+    };
+    mesh.nodes.iter().map(node).collect()
+}
+
+fn halton(index: usize, base: usize) -> f64 {
+    let (mut index, mut share, mut value) = (index + 1, 1.0, 0.0);
+    while index > 0 {
+        share /= base as f64;
+        value += share * (index % base) as f64;
+        index /= base;
+    }
+    value
+}
+
+fn collection(mesh: &Mesh, family: Family, parameters: Vec<Vec<f64>>, instants: usize) -> Collection {
+    let times: Vec<f64> = (0..instants).map(|i| 2.0 * i as f64 / (instants - 1) as f64).collect();
+    let run = |row: &Vec<f64>| times.iter().map(|t| nodes(mesh, family(row[0], row[1], *t))).collect();
+    Collection::new(Collection {
+        parameter_names: vec!["p".to_owned(), "q".to_owned()],
+        length_unit: None,
+        time_unit: None,
+        positions: parameters.iter().map(run).collect(),
+        velocities: Vec::new(),
+        elements: mesh.elements.clone(),
+        parameters,
+        times,
+    })
+    .unwrap()
+}
+
+fn grid(n: usize) -> Vec<Vec<f64>> {
+    let at = |i: usize| i as f64 / (n - 1) as f64;
+    (0..n * n).map(|k| vec![at(k % n), at(k / n)]).collect()
+}
+
+fn scattered(n: usize) -> Vec<Vec<f64>> {
+    (0..n).map(|i| vec![halton(i, 2), halton(i, 3)]).collect()
+}
+
+/// Errors in the bound, of queries at parameters and instants that are in no snapshot.
+fn ratios(model: &Model<'_>, mesh: &Mesh, family: Family) -> Vec<f64> {
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(model, &mut workspace).unwrap();
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mut found = vec![[0.0; 3]; mesh.nodes.len()];
+    let mut ratios = Vec::new();
+    for index in 1000..1600 {
+        let ([p, q], t) = ([halton(index, 5), halton(index, 7)], 2.0 * halton(index, 11));
+        match evaluator.prepare(&Query::new(Parameters::from([p, q]), Method::Direct)) {
+            Err(EvaluateError::OutsideDomain { .. } | EvaluateError::FarFromSamples { .. }) => continue,
+            other => other.unwrap(),
+        };
+        let mut instant = evaluator.at(t).unwrap();
+        instant.positions(&scene, &mut found).unwrap();
+        let exact = nodes(mesh, family(p, q, t));
+        let apart = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt();
+        let error = found.iter().zip(&exact).map(apart).sum::<f64>() / found.len() as f64;
+        let radius = model.radius([p, q]);
+        ratios.push(error / radius / instant.error_bound().unwrap());
+    }
+    ratios
+}
+
+#[test]
+fn the_bound_holds_at_parameters_and_instants_that_no_snapshot_has() {
+    let mesh = support::octahedral(2);
+    for (name, family) in [("smooth", smooth as Family), ("stiff", stiff), ("kinked", kinked)] {
+        for (design, parameters) in [("grid", grid(6)), ("scattered", scattered(40)), ("3x3", grid(3))] {
+            for instants in [9, 21, 41] {
+                let collection = collection(&mesh, family, parameters.clone(), instants);
+                let settings = Settings::of_collection(&collection).unwrap();
+                let (bytes, report) = build(&collection, &settings, &|_, _, _| {}).unwrap();
+                let model = Model::open(&bytes).unwrap();
+                let mut ratios = ratios(&model, &mesh, family);
+                ratios.sort_by(f64::total_cmp);
+                let below = ratios.iter().filter(|r| **r <= 1.0).count() as f64 / ratios.len() as f64;
+                let quantile = |share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
+                println!(
+                    "{name:8} {design:10} {instants:3} {:4} below {:.1} %  median {:.3} 95 % {:.2} max {:.2}  factors {:.2} to {:.2}",
+                    ratios.len(), 100.0 * below, quantile(0.5), quantile(0.95), quantile(1.0),
+                    report.bound_factors[0].iter().copied().fold(f64::MAX, f64::min),
+                    report.bound_factors[0].iter().copied().fold(0.0, f64::max),
+                );
+            }
+        }
+    }
+}
