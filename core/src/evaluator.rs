@@ -493,10 +493,18 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// # Errors
     /// [`EvaluateError::NotFinite`].
     pub fn expected_error(&self) -> Result<T, EvaluateError> {
-        let weights = &self.workspace.weights;
-        let interpolation = expected_error(self.errors(), &self.error_times(), weights, self.t);
-        let time = interval_error(&self.cluster.interval_errors, &self.model.times(), weights, self.t);
-        number(interpolation + time)
+        let [time, _] = self.interval_error();
+        number(self.interpolation_error() + time)
+    }
+
+    /// What interpolation in the parameters is expected to leave, and the modes.
+    fn interpolation_error(&self) -> T {
+        expected_error(self.errors(), &self.error_times(), &self.workspace.weights, self.t)
+    }
+
+    /// What interpolation in time adds: expected, and at most.
+    fn interval_error(&self) -> [T; 2] {
+        interval_error(self.cluster, &self.model.times(), &self.workspace.weights, self.t)
     }
 
     /// Deviation of the weights by which the answer is interpolated, see
@@ -516,7 +524,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         if self.domain != Domain::Inside {
             return Err(EvaluateError::NoBound);
         }
-        number(bound_factor::<T>(self.errors(), &self.error_times(), self.t) * self.expected_error()?)
+        let [_, time] = self.interval_error();
+        number(bound_factor::<T>(self.errors(), &self.error_times(), self.t) * self.interpolation_error() + time)
     }
 
     /// The leave-one-out errors of the query's method.

@@ -4,7 +4,7 @@
 use crate::Real;
 use crate::interpolate::Weights;
 use crate::model::MatrixView;
-use crate::model::wire::{Errors, Matrix};
+use crate::model::wire::{Cluster, Errors};
 
 /// floor + deviation * mean over the neighbours j, weighted by |L_j|, of (left-out error_j(t) / deviation_j), with the
 /// errors linear in time between their instants and constant beyond. A fraction of a.
@@ -25,24 +25,26 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
 }
 
-/// What the interpolation in time adds between two stored instants: the errors in the middle of the interval, weighted by
-/// |L_j|, times 4 s (1 - s) with s the way from one instant to the other. 0 where none are stored.
+/// What the interpolation in time adds between two stored instants, expected and at most: the errors in the middle of the
+/// interval, weighted by |L_j|, times 4 s (1 - s) with s the way from one instant to the other. 0 where none are stored.
 pub(crate) fn interval_error<T: Real, const N: usize>(
-    errors: &Matrix<'_>,
+    cluster: &Cluster<'_>,
     instants: &MatrixView<'_>,
     weights: &Weights<T, N>,
     t: T,
-) -> T {
-    if errors.rows == 0 {
-        return T::ZERO;
+) -> [T; 2] {
+    if cluster.interval_errors.rows == 0 {
+        return [T::ZERO; 2];
     }
     let Between { lower, share, .. } = Between::new(instants, t);
-    let errors = MatrixView::new(errors);
+    let errors = MatrixView::new(&cluster.interval_errors);
+    let factor = T::from_f32(MatrixView::new(&cluster.interval_bound_factors).get(lower, 0));
     let middle = weights
         .iter()
         .map(|(sample, weight)| weight.abs() * T::from_f32(errors.get(sample, lower)))
         .sum::<T>();
-    T::from_f32(4.0) * share * (T::ONE - share) * middle / weights.lebesgue()
+    let expected = T::from_f32(4.0) * share * (T::ONE - share) * middle / weights.lebesgue();
+    [expected, factor * expected]
 }
 
 /// The bound that 95 % of the errors stay below, as a multiple of the expected error.

@@ -48,7 +48,7 @@ parts! {
     }
     NodeSet<'a> { name, nodes }
     Cluster<'a> {
-        min, max, samples, field, direct_errors, paper_errors, interval_errors
+        min, max, samples, field, direct_errors, paper_errors, interval_errors, interval_bound_factors
     }
     Samples<'a> { parameters, places }
     Field<'a> { modes, knots, spans, axial_controls, axial_modes }

@@ -169,6 +169,8 @@ impl Judge {
             let known = cluster.interval_errors.rows > 0;
             let shape = if known { [samples, times.rows().saturating_sub(1)] } else { [0, 0] };
             self.matrix("errors between instants", &cluster.interval_errors, shape, POSITIVE);
+            let factors = [shape[1], usize::from(known)];
+            self.matrix("bound's factors between instants", &cluster.interval_bound_factors, factors, POSITIVE);
         }
     }
 

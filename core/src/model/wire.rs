@@ -181,6 +181,8 @@ pub struct Cluster<'a> {
     /// `[N_c, N_t - 1]`: error of the interpolation in time in the middle of each interval of the stored instants, fraction of
     /// a; or empty where the instants are so dense that it is negligible.
     pub interval_errors: Matrix<'a>,
+    /// `[N_t - 1, 1]`, or empty as they are: the 95 % bound of these errors as a multiple of them.
+    pub interval_bound_factors: Matrix<'a>,
 }
 
 /// Where the samples of a cluster lie.
@@ -340,7 +342,7 @@ pub struct Blob<'a> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (13 + 3 * MAX_SPANS) * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (14 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

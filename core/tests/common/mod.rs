@@ -334,6 +334,7 @@ impl Family {
                     a.f32s([2.0, 3.0]);
                 }
                 a.f32s(samples.iter().flat_map(|_| self.times[1..].iter().map(|_| 0.0)));
+                a.f32s(self.times[1..].iter().map(|_| 1.5));
             }
         });
         let mut next = arena.arrays();
@@ -386,6 +387,7 @@ impl Family {
             };
             let (direct_errors, paper_errors) = (errors(), errors());
             let interval_errors = f32(count, self.times.len() - 1, blob());
+            let interval_bound_factors = f32(self.times.len() - 1, 1, blob());
             Cluster {
                 min,
                 max,
@@ -394,6 +396,7 @@ impl Family {
                 direct_errors,
                 paper_errors,
                 interval_errors,
+                interval_bound_factors,
             }
         });
         let clusters = clusters.collect();

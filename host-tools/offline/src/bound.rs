@@ -11,8 +11,9 @@ use rayon::prelude::*;
 use crate::OfflineError;
 use crate::compare::{METHODS, distances, predictions};
 use crate::plan::{Assembled, Plan, Reduced};
-use crate::samples::{SAME_ROW, Sample, Truth};
+use crate::samples::{SAME_ROW, Sample};
 use crate::writer::ClusterParts;
+use capsule_core::model::wire::Method;
 use capsule_core::{Domain, Model, Parameters};
 
 /// The share of errors below the bound.
@@ -25,32 +26,36 @@ const FEWEST: usize = 20;
 const PLACES: f64 = 1e4;
 
 /// The bound over the expected error, at each of the instants, for each method. 1 where no row can be left out.
-///
-/// Of other people's data a model of every other instant is asked too, at the instants that were left out of it: they lie as far from
-/// those that it knows as any query.
-pub(crate) fn bound_factors(model: &Assembled, coarser: Option<&Assembled>) -> Result<[Vec<f64>; 2], OfflineError> {
-    let stored = weighted_ratios(model, |sample| &sample.truth)?;
-    let held_out = coarser.map(|coarser| weighted_ratios(coarser, |sample| &sample.held_out));
-    let held_out = held_out.transpose()?.unwrap_or_default();
-    let held_out_times: Vec<f64> = match coarser {
-        Some(coarser) => coarser.plan.samples[0].held_out.iter().map(|truth| truth.time).collect(),
-        None => Vec::new(),
+pub(crate) fn bound_factors(model: &Assembled) -> Result<[Vec<f64>; 2], OfflineError> {
+    let weighted = weighted_ratios(model)?;
+    let factor = |method: usize, instant: usize| {
+        let values = weighted.iter().map(|(part, ratios)| (ratios[method][instant], *part));
+        quantile(values.collect()).unwrap_or(1.0)
     };
-    let factor = |method: usize, instant: usize, time: f64| {
-        let apart = |i: &usize| (held_out_times[*i] - time).abs();
-        let nearest = (0..held_out_times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)));
-        let of = |instant: usize| move |(part, ratios): &(f64, Ratios)| (ratios[method][instant], *part);
-        let beside = nearest.into_iter().flat_map(|nearest| held_out.iter().map(of(nearest)));
-        quantile(stored.iter().map(of(instant)).chain(beside).collect()).unwrap_or(1.0)
-    };
-    let times = model.plan.error_times();
-    let of_method = |method| times.iter().enumerate().map(|(i, time)| factor(method, i, *time)).collect();
-    Ok([0, 1].map(of_method))
+    let instants = 0..model.plan.error_times().len();
+    Ok([0, 1].map(|method| instants.clone().map(|instant| factor(method, instant)).collect()))
 }
 
-/// True over expected errors at instants of the truth, with the part of the domain that each sample stands for: of each sample from
+/// The bound of what interpolation in time adds, over what is expected, in the middle of each interval of a coarser model, whose
+/// samples hold out the instants there. All samples count alike.
+pub(crate) fn interval_bound_factors(coarser: &Assembled, cluster: usize) -> Result<Vec<f64>, OfflineError> {
+    let parts = &coarser.built[cluster].parts;
+    let truth = coarser.own_errors(cluster, Method::Direct, |sample| &sample.held_out)?;
+    let floor = parts.errors[0].floor;
+    let expected = |sample: usize, interval: usize| parts.interval_errors.get(sample, interval);
+    let ratio = |(sample, errors): (usize, &Vec<f64>), interval: usize| {
+        let above_floor = (errors[interval] - floor).max(0.0);
+        (above_floor / expected(sample, interval).max(floor), 1.0)
+    };
+    let intervals = 0..truth.first().map_or(0, Vec::len);
+    let factor = |interval| quantile(truth.iter().enumerate().map(|row| ratio(row, interval)).collect());
+    // Less than 1 would trust the coarser model to know how much too careful the finer one is.
+    Ok(intervals.map(|interval| factor(interval).unwrap_or(1.0).max(1.0)).collect())
+}
+
+/// True over expected errors at the instants, with the part of the domain that each sample stands for: of each sample from
 /// the other rows alone, and from all.
-fn weighted_ratios(model: &Assembled, truth: fn(&Sample) -> &[Truth]) -> Result<Vec<(f64, Ratios)>, OfflineError> {
+fn weighted_ratios(model: &Assembled) -> Result<Vec<(f64, Ratios)>, OfflineError> {
     let Assembled { plan, reduced, built } = model;
     let tasks: Vec<(usize, usize)> = reduced
         .iter()
@@ -71,18 +76,22 @@ fn weighted_ratios(model: &Assembled, truth: fn(&Sample) -> &[Truth]) -> Result<
     let sample = |(c, j): &(usize, usize)| &plan.samples[reduced[*c].part.members[*j]];
     let parameters: Vec<&[f64]> = tasks.iter().map(|task| &sample(task).parameters[..]).collect();
     let parts = parts_of_domain(plan, &models, &parameters);
-    let both: Result<Vec<Option<[Ratios; 2]>>, OfflineError> = tasks
+    let found: Result<Vec<Vec<Ratios>>, OfflineError> = tasks
         .par_iter()
         .map(|(c, j)| {
-            let left_out = row_left_out(plan, &reduced[*c], *j, &built[*c].parts, truth)?;
-            let Some(left_out) = left_out else { return Ok(None) };
-            Ok(Some([left_out, ratios(plan, &models[*c], sample(&(*c, *j)), truth)?]))
+            let left_out = rows_left_out(plan, &reduced[*c], *j, &built[*c].parts)?;
+            if left_out.is_empty() {
+                return Ok(left_out);
+            }
+            // As often as a model without its row.
+            let known = ratios(plan, &models[*c], sample(&(*c, *j)))?;
+            let known = vec![known; left_out.len()];
+            Ok([left_out, known].concat())
         })
         .collect();
-    let weighted = parts.into_iter().zip(both?);
+    let weighted = parts.into_iter().zip(found?);
     Ok(weighted
-        .filter_map(|(part, both)| Some(both?.map(|ratios| (part, ratios))))
-        .flatten()
+        .flat_map(|(part, found)| found.into_iter().map(move |ratios| (part, ratios)))
         .collect())
 }
 
@@ -129,41 +138,56 @@ fn parts_of_domain(plan: &Plan, models: &[Model<'_>], parameters: &[&[f64]]) -> 
 /// True over expected error at each of the instants, of each method.
 type Ratios = [Vec<f64>; 2];
 
-/// Those of a sample without its row; none where the row is the first or last of its cluster, or what is
-/// left cannot carry an interpolation.
-fn row_left_out(
+/// Those of a sample without each of its rows, the samples with the same value of a parameter: of a capsule in the channel the
+/// rows of confinements, of other people's data those of all parameters in which their samples lie in rows.
+fn rows_left_out(
     plan: &Plan,
     cluster: &Reduced,
     place: usize,
     parts: &ClusterParts,
-    truth: fn(&Sample) -> &[Truth],
-) -> Result<Option<Ratios>, OfflineError> {
-    let members = &cluster.part.members;
-    let sample = &plan.samples[members[place]];
-    let last = |j: &usize| plan.samples[*j].parameters.last().copied().unwrap_or(0.0);
-    let value = last(&members[place]);
-    let row: Vec<usize> = (0..members.len())
-        .filter(|k| (last(&members[*k]) - value).abs() <= SAME_ROW)
-        .collect();
-    let needed = crate::samples::needed(sample.parameters.len());
-    let between =
-        members.iter().any(|j| last(j) < value - SAME_ROW) && members.iter().any(|j| last(j) > value + SAME_ROW);
-    if !between || members.len() < row.len() + needed {
-        return Ok(None);
+) -> Result<Vec<Ratios>, OfflineError> {
+    let parameters = plan.ranges().len();
+    let last = parameters - 1;
+    let without = |out: &[usize]| {
+        let bytes = plan.write(&[&parts.without(out)])?;
+        let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
+        ratios(plan, &model, &plan.samples[cluster.part.members[place]])
+    };
+    let mut found = Vec::new();
+    for parameter in if plan.of_channel() { last..parameters } else { 0..parameters } {
+        let Some(row) = row(plan, cluster, place, parameter) else {
+            continue;
+        };
+        // A sample by itself is left out once.
+        if row.len() > 1 || parameter == last {
+            found.push(without(&row)?);
+        }
     }
-    let bytes = plan.write(&[&parts.without(&row)])?;
-    let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
-    Ok(Some(ratios(plan, &model, sample, truth)?))
+    if !plan.of_channel() && !found.is_empty() {
+        found.push(without(&[place])?);
+    }
+    Ok(found)
+}
+
+/// The row of a sample along a parameter; none where it is the first or last of its cluster, or what is left without it
+/// cannot carry an interpolation.
+fn row(plan: &Plan, cluster: &Reduced, place: usize, parameter: usize) -> Option<Vec<usize>> {
+    let members = &cluster.part.members;
+    let value = |j: &usize| plan.samples[*j].parameters[parameter];
+    let own = value(&members[place]);
+    let row: Vec<usize> = (0..members.len())
+        .filter(|k| (value(&members[*k]) - own).abs() <= SAME_ROW)
+        .collect();
+    let below = members.iter().any(|j| value(j) < own - SAME_ROW);
+    let above = members.iter().any(|j| value(j) > own + SAME_ROW);
+    // As many as a linear function has coefficients, and one more: the kernel leaves out what they cannot tell apart.
+    let enough = members.len() >= row.len() + plan.ranges().len() + 2;
+    (below && above && enough).then_some(row)
 }
 
 /// Those of a sample as a model predicts it.
-fn ratios(
-    plan: &Plan,
-    model: &Model<'_>,
-    sample: &Sample,
-    truth: fn(&Sample) -> &[Truth],
-) -> Result<Ratios, OfflineError> {
-    let truth = truth(sample);
+fn ratios(plan: &Plan, model: &Model<'_>, sample: &Sample) -> Result<Ratios, OfflineError> {
+    let truth = &sample.truth;
     let ratios = METHODS.map(|method| {
         let predictions =
             predictions(model, &sample.parameters, method, truth).map_err(|source| OfflineError::Evaluate {

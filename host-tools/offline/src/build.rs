@@ -5,7 +5,7 @@ use capsule_database::{Collection, Database};
 use serde::Serialize;
 
 use crate::border::Jump;
-use crate::bound::bound_factors;
+use crate::bound::{bound_factors, interval_bound_factors};
 use crate::compare::METHODS;
 use crate::intervals::interval_errors;
 use crate::leave_one_out::each_left_out;
@@ -143,14 +143,20 @@ pub fn build<'a>(
     // Models of every other, every fourth and every eighth instant tell what interpolation in time leaves.
     let every = |stride| plan.thinned(stride, progress)?.map(Assembled::new).transpose();
     let (mut two, four, eight) = (every(2)?, every(4)?, every(8)?);
+    let [four, eight] = [four.as_ref(), eight.as_ref()];
     let mut model = Assembled::new(plan)?;
     progress("singular values", 2, 2);
-    let left_out = measure(&mut model, [two.as_ref(), four.as_ref()], progress)?;
+    let left_out = {
+        let Assembled { plan, reduced, built } = &model;
+        each_left_out(plan, reduced, &|c, j| Ok(built[c].parts.without(&[j])), progress)?
+    };
+    measure(&mut model, &left_out, [two.as_ref(), four, eight])?;
     if let Some(two) = &mut two {
-        measure(two, [four.as_ref(), eight.as_ref()], progress)?;
+        measure(two, &[], [four, eight, None])?;
     }
     progress("error bounds", 0, 1);
-    let factors = bound_factors(&model, two.as_ref())?;
+    let factors = bound_factors(&model)?;
+    bound_intervals(&mut model, two.as_ref())?;
     progress("error bounds", 1, 1);
 
     let Assembled { plan, reduced, built } = model;
@@ -200,32 +206,47 @@ pub fn build<'a>(
     Ok((bytes, report))
 }
 
-/// Gives a model the errors at its samples, each left out and not, and those between its instants, which models of every other and
-/// every fourth of these tell.
+/// Gives a model the errors at its samples, each left out (as far as that was done) and not, and those between its instants, which
+/// models of every other and every fourth of these tell.
 fn measure(
     model: &mut Assembled,
-    coarser: [Option<&Assembled>; 2],
-    progress: Progress,
-) -> Result<Vec<LeftOut>, OfflineError> {
-    let Assembled { plan, reduced, built } = &*model;
-    let left_out = each_left_out(plan, reduced, &|c, j| Ok(built[c].parts.without(&[j])), progress)?;
+    left_out: &[LeftOut],
+    coarser: [Option<&Assembled>; 3],
+) -> Result<(), OfflineError> {
     for cluster in 0..model.reduced.len() {
-        let mut errors = Vec::new();
-        for method in METHODS {
+        for (m, method) in METHODS.into_iter().enumerate() {
             let own = model.own_errors(cluster, method, |sample| &sample.truth)?;
             // All samples have as many instants.
             let floor = own.iter().map(|errors| mean(errors)).sum::<f64>() / own.len() as f64;
             let of_method = left_out.iter().filter(|e| e.cluster == cluster && e.method == method);
-            errors.push(ErrorParts::new(of_method, model.plan.error_times().len(), floor));
+            let errors = &mut model.built[cluster].parts.errors[m];
+            *errors = if left_out.is_empty() {
+                ErrorParts { floor, ..errors.clone() }
+            } else {
+                ErrorParts::new(of_method, model.plan.error_times().len(), floor)
+            };
         }
-        let between = interval_errors(&model.plan, cluster, errors[0].floor, coarser)?;
+        let floor = model.built[cluster].parts.errors[0].floor;
+        let between = interval_errors(&model.plan, cluster, floor, coarser)?;
         let parts = &mut model.built[cluster].parts;
-        parts.interval_errors = Numbers::new(between.len(), between.first().map_or(0, Vec::len), |j, i| between[j][i]);
-        for (place, errors) in parts.errors.iter_mut().zip(errors) {
-            *place = errors;
-        }
+        let intervals = between.first().map_or(0, Vec::len);
+        parts.interval_errors = Numbers::new(between.len(), intervals, |j, i| between[j][i]);
+        parts.interval_bound_factors = Numbers::new(intervals, usize::from(intervals > 0), |_, _| 1.0);
     }
-    Ok(left_out)
+    Ok(())
+}
+
+/// Gives a model the bounds of what it errs between its instants: as multiples of what is expected they are those of a model of
+/// every other instant.
+fn bound_intervals(model: &mut Assembled, coarser: Option<&Assembled>) -> Result<(), OfflineError> {
+    let Some(coarser) = coarser else { return Ok(()) };
+    let intervals = model.plan.times().len() - 1;
+    for (cluster, built) in model.built.iter_mut().enumerate() {
+        let factors = interval_bound_factors(coarser, cluster)?;
+        let factor = |interval: usize| factors[(interval / 2).min(factors.len() - 1)];
+        built.parts.interval_bound_factors = Numbers::new(intervals, 1, |interval, _| factor(interval));
+    }
+    Ok(())
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -44,6 +44,8 @@ pub(crate) struct Plan<'a> {
     pub(crate) distance: Distance,
     /// Other people's data, from which models of fewer instants can be built.
     surfaces: Option<Surfaces>,
+    /// Of how many instants of the data one is used.
+    pub(crate) stride: usize,
     /// The order of the symmetry.
     pub(crate) symmetry: usize,
     pub(crate) mesh: MeshParts,
@@ -121,20 +123,22 @@ struct Surfaces {
 }
 
 impl Surfaces {
-    /// Every `stride`-th instant, and the instants in the middle between these.
+    /// Every `stride`-th instant, and the instants between these.
     fn thinned(&self, stride: usize) -> Result<Option<(Self, Vec<usize>)>, OfflineError> {
         let instants = self.collection.times.len();
-        let held_out: Vec<usize> = (stride / 2..instants.saturating_sub(stride / 2)).step_by(stride).collect();
+        let last = (instants - 1) / stride * stride;
+        let held_out: Vec<usize> = (0..last).filter(|instant| instant % stride != 0).collect();
         if held_out.is_empty() {
             return Ok(None);
         }
         fn every<X: Clone>(items: &[X], stride: usize) -> Vec<X> {
             items.iter().step_by(stride).cloned().collect()
         }
-        let thin = |fields: &[Vec<Vec<[f64; 3]>>]| fields.iter().map(|run| every(run, stride)).collect();
+        let count = last + 1;
+        let thin = |fields: &[Vec<Vec<[f64; 3]>>]| fields.iter().map(|run| every(&run[..count], stride)).collect();
         let velocities = if self.derived { Vec::new() } else { thin(&self.collection.velocities) };
         let collection = Collection::new(Collection {
-            times: every(&self.collection.times, stride),
+            times: every(&self.collection.times[..count], stride),
             positions: thin(&self.collection.positions),
             velocities,
             ..self.collection.clone()
@@ -204,6 +208,7 @@ impl<'a> Plan<'a> {
             scaling: Scaling::none(&domain.ranges),
             distance: Distance::ModifiedHausdorff(Sector::of(symmetry)),
             surfaces: None,
+            stride: 1,
             symmetry: symmetry.order(),
             mesh,
             domain,
@@ -249,8 +254,8 @@ impl<'a> Plan<'a> {
         Self::of_surfaces(surfaces, mesh, scaling, settings, (units, digest), progress)
     }
 
-    /// The plan of a model of every `stride`-th instant, a power of two, whose samples hold out those in the middle between; none
-    /// where there are too few, and for a database.
+    /// The plan of a model of every `stride`-th instant, whose samples hold out those between; none where there are too few, and for
+    /// a database.
     pub(crate) fn thinned(&self, stride: usize, progress: Progress) -> Result<Option<Self>, OfflineError> {
         let Some(all) = &self.surfaces else { return Ok(None) };
         let Some((surfaces, held_out)) = all.thinned(stride)? else {
@@ -258,7 +263,8 @@ impl<'a> Plan<'a> {
         };
         let (units, digest) = (self.domain.units.clone(), self.domain.database_digest.clone());
         let (mesh, scaling) = (self.mesh.clone(), self.scaling.clone());
-        let mut plan = Self::of_surfaces(surfaces, mesh, scaling, self.given, (units, digest), progress)?;
+        let plan = Self::of_surfaces(surfaces, mesh, scaling, self.given, (units, digest), progress)?;
+        let mut plan = Plan { stride, ..plan };
         for (sample, positions) in plan.samples.iter_mut().zip(&all.collection.positions) {
             for instant in &held_out {
                 let (_, centroid) = all.reference.volume_and_centroid(&positions[*instant])?;
@@ -323,12 +329,18 @@ impl<'a> Plan<'a> {
             nodes: reference.nodes.len(),
             samples,
             surfaces: Some(surfaces),
+            stride: 1,
         })
     }
 
     /// The instants of the errors at which there are snapshots.
     pub(crate) fn error_times(&self) -> &[f64] {
         &self.domain.error_times
+    }
+
+    /// Whether the samples are capsules in the channel.
+    pub(crate) fn of_channel(&self) -> bool {
+        self.surfaces.is_none()
     }
 
     /// The working unit of length in the data's.

@@ -113,6 +113,11 @@ impl Numbers {
         Numbers::new(values.len(), 1, |i, _| values[i])
     }
 
+    /// An entry of numbers that are not integers.
+    pub(crate) fn get(&self, row: usize, column: usize) -> f64 {
+        MatrixView::new(&self.matrix()).get(row, column).into()
+    }
+
     /// Without the rows at these places.
     fn without(&self, out: &[usize]) -> Self {
         let kept: Vec<usize> = (0..self.rows).filter(|row| !out.contains(row)).collect();
@@ -544,6 +549,8 @@ pub(crate) struct ClusterParts {
     pub(crate) errors: [ErrorParts; 2],
     /// Errors between the instants, `[N_c, N_t - 1]`, or none.
     pub(crate) interval_errors: Numbers,
+    /// The 95 % bound as a multiple of them, `[N_t - 1, 1]`, or none.
+    pub(crate) interval_bound_factors: Numbers,
 }
 
 impl ClusterParts {
@@ -568,6 +575,7 @@ impl ClusterParts {
             field: FieldParts::new(snapshots, pod, mesh, storage),
             errors: [unknown(), unknown()],
             interval_errors: Numbers::new(0, 0, |_, _| 0.0),
+            interval_bound_factors: Numbers::new(0, 0, |_, _| 0.0),
         }
     }
 
@@ -578,6 +586,7 @@ impl ClusterParts {
             field: self.field.without(out),
             errors: self.errors.each_ref().map(|errors| errors.without(out)),
             interval_errors: self.interval_errors.without(out),
+            interval_bound_factors: self.interval_bound_factors.clone(),
             range: self.range,
         }
     }
@@ -615,6 +624,7 @@ impl ClusterParts {
             direct_errors: self.errors[0].wire(),
             paper_errors: self.errors[1].wire(),
             interval_errors: self.interval_errors.matrix(),
+            interval_bound_factors: self.interval_bound_factors.matrix(),
         }
     }
 }
@@ -747,6 +757,7 @@ pub(crate) fn write(
         + border.bytes.len();
     for cluster in &clusters {
         room += cluster.field.length() + 2 * cluster.samples.bytes.len() + cluster.interval_errors.bytes.len();
+        room += cluster.interval_bound_factors.bytes.len();
         room += cluster
             .errors
             .iter()

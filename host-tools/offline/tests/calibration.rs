@@ -110,27 +110,49 @@ fn ratios(model: &Model<'_>, mesh: &Mesh, family: Family) -> Vec<f64> {
     ratios
 }
 
+/// The model of a family on a design, at so many instants.
+fn built(mesh: &Mesh, family: Family, parameters: &[Vec<f64>], instants: usize) -> Vec<u8> {
+    let collection = collection(mesh, family, parameters.to_vec(), instants);
+    let settings = Settings::of_collection(&collection).unwrap();
+    build(&collection, &settings, &|_, _, _| {}).unwrap().0
+}
+
 #[test]
 fn the_bound_holds_at_parameters_and_instants_that_no_snapshot_has() {
     let mesh = support::octahedral(2);
     for (name, family) in [("smooth", smooth as Family), ("stiff", stiff), ("kinked", kinked)] {
-        for (design, parameters) in [("grid", grid(6)), ("scattered", scattered(40)), ("3x3", grid(3))] {
+        for (design, parameters) in [("grid", grid(6)), ("scattered", scattered(40))] {
             for instants in [9, 21, 41] {
-                let collection = collection(&mesh, family, parameters.clone(), instants);
-                let settings = Settings::of_collection(&collection).unwrap();
-                let (bytes, report) = build(&collection, &settings, &|_, _, _| {}).unwrap();
+                let bytes = built(&mesh, family, &parameters, instants);
                 let model = Model::open(&bytes).unwrap();
                 let mut ratios = ratios(&model, &mesh, family);
                 ratios.sort_by(f64::total_cmp);
-                let below = ratios.iter().filter(|r| **r <= 1.0).count() as f64 / ratios.len() as f64;
-                let quantile = |share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
+                let below = ratios.iter().filter(|ratio| **ratio <= 1.0).count() as f64 / ratios.len() as f64;
+                let median = ratios[ratios.len() / 2];
                 println!(
-                    "{name:8} {design:10} {instants:3} {:4} below {:.1} %  median {:.3} 95 % {:.2} max {:.2}  factors {:.2} to {:.2}",
-                    ratios.len(), 100.0 * below, quantile(0.5), quantile(0.95), quantile(1.0),
-                    report.bound_factors[0].iter().copied().fold(f64::MAX, f64::min),
-                    report.bound_factors[0].iter().copied().fold(0.0, f64::max),
+                    "{name:8} {design:10} {instants:3} instants: {:.1} % of {} below the bound, median {median:.3} of it",
+                    100.0 * below,
+                    ratios.len()
                 );
+                assert!(below >= 0.93, "{name}, {design}, {instants} instants: {below}");
+                // A bound that says nothing would hold too.
+                assert!(median > 0.05, "{name}, {design}, {instants} instants: {median}");
             }
+        }
+    }
+}
+
+/// Nine samples say little: the bound is wide, but no query exceeds it.
+#[test]
+fn the_bound_of_a_few_samples_and_instants_holds_too() {
+    let mesh = support::octahedral(2);
+    for family in [smooth as Family, stiff, kinked] {
+        for instants in [2, 3, 5, 7] {
+            let bytes = built(&mesh, family, &grid(3), instants);
+            let model = Model::open(&bytes).unwrap();
+            let ratios = ratios(&model, &mesh, family);
+            let below = ratios.iter().filter(|ratio| **ratio <= 1.0).count() as f64 / ratios.len() as f64;
+            assert!(below >= 0.93, "{instants} instants: {below}");
         }
     }
 }
