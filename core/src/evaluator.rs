@@ -413,7 +413,11 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
             Reference::Sphere => [1.0, 1.0],
             Reference::Shape { volumes, .. } => volumes.map(|volume| volume as f32),
         };
-        let (volume, min, max) = ((volume / sphere).to_f32(), least * (1.0 - VOLUME), greatest * (1.0 + VOLUME));
+        let (volume, min, max) = (
+            (volume / sphere).to_f32(),
+            least * (1.0 - VOLUME),
+            greatest * (1.0 + VOLUME),
+        );
         if !(min <= volume && volume <= max) {
             return Err(EvaluateError::WrongVolume { volume, min, max });
         }

@@ -28,7 +28,11 @@ impl Parameters<f32> {
         let single = |index: usize| values.get(index).map_or(0.0, |value| *value as f32);
         let singles: [f32; MAX_PARAMETERS] = core::array::from_fn(single);
         let parameters = Self::new(singles.get(..values.len())?)?;
-        let rest = |index: usize| values.get(index).map_or(0.0, |value| (value - f64::from(single(index))) as f32);
+        let rest = |index: usize| {
+            values
+                .get(index)
+                .map_or(0.0, |value| (value - f64::from(single(index))) as f32)
+        };
         Some(Self {
             rests: core::array::from_fn(rest),
             ..parameters

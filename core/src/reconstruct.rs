@@ -256,4 +256,3 @@ pub(crate) fn room<E>(out: &mut [E], required: usize) -> Result<&mut [E], Evalua
     out.get_mut(..required)
         .ok_or(EvaluateError::BufferTooShort { required, found })
 }
-

@@ -126,10 +126,13 @@ fn a_damaged_header_is_refused() {
         }
     );
     assert!(newer.to_string().contains("newer"), "{newer}");
-    assert_eq!(open(&|file| file[4] = 0), OpenError::Version {
-        found: 0,
-        supported: 10
-    });
+    assert_eq!(
+        open(&|file| file[4] = 0),
+        OpenError::Version {
+            found: 0,
+            supported: 10
+        }
+    );
     assert_eq!(open(&|file| file.extend([0; 3])), OpenError::TrailingBytes { found: 3 });
     assert!(matches!(open(&|file| file[500] ^= 4), OpenError::Checksum { .. }));
     assert!(matches!(open(&|file| file[13] ^= 1), OpenError::Checksum { .. }));
@@ -342,7 +345,9 @@ fn wrong_indices_sets_and_settings_are_refused() {
             c.mesh.reference = SHAPE;
         }))
     };
-    other("points of the steady limit and of the effect of bending in a model that is not one of a capsule in the channel");
+    other(
+        "points of the steady limit and of the effect of bending in a model that is not one of a capsule in the channel",
+    );
     index("parameter of the clusters")(refused(|c| c.split = 2));
     let setting = |error| assert!(matches!(error, OpenError::Setting { .. }), "{error}");
     setting(refused(|c| c.metadata.parameters[0].min = f64::NAN));

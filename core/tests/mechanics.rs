@@ -291,7 +291,10 @@ fn readings<T: Real>(family: &Family) -> Vec<f64> {
             let scalars = [deformation.area_dilation(), deformation.energy_density()];
             let pairs = [deformation.stretches(), deformation.tensions()];
             let all = scalars.iter().chain(pairs.as_flattened());
-            let load = deformation.load(capillary_number).unwrap().map(|x| x / T::from_f32(30.0));
+            let load = deformation
+                .load(capillary_number)
+                .unwrap()
+                .map(|x| x / T::from_f32(30.0));
             readings.borrow_mut().extend(all.copied().chain(load).map(T::to_f64));
         }
         let totals = membrane.totals().unwrap();

@@ -4,8 +4,8 @@ mod common;
 
 use capsule_core::model::wire::Matrix;
 use capsule_core::{
-    DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Scene, Workspace,
-    playback_room, scratch,
+    DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Scene,
+    Workspace, playback_room, scratch,
 };
 use common::Family;
 use proptest::prelude::*;
@@ -297,7 +297,10 @@ fn an_impossible_extrapolated_shape_is_refused_at_every_door() {
         for t in [0.0, 0.01, 3.0] {
             // Independent of the core: the family's own nodes.
             let [exact, _] = family.exact([ca, confinement], t);
-            let reach = exact.iter().flat_map(|[_, y, z]| [y.abs(), z.abs()]).fold(0.0, f64::max);
+            let reach = exact
+                .iter()
+                .flat_map(|[_, y, z]| [y.abs(), z.abs()])
+                .fold(0.0, f64::max);
             let mut instant = evaluator.at(t).unwrap();
             assert_eq!(instant.error_bound(), Err(EvaluateError::NoBound));
             let found = instant.volume();
@@ -316,13 +319,21 @@ fn an_impossible_extrapolated_shape_is_refused_at_every_door() {
                 instant.observables().err(),
                 instant.outline(MIDPLANE, Frame::Centroid, &mut outline).err(),
                 instant.membrane(&mut nodes.clone()).err(),
-                evaluator.frame(t, Frame::Centroid, &mut Playback::new(room), &mut nodes).err(),
+                evaluator
+                    .frame(t, Frame::Centroid, &mut Playback::new(room), &mut nodes)
+                    .err(),
             ];
-            assert!(doors.iter().all(|error| *error == found.err()), "{ca} {confinement} {t}: {doors:?}");
+            assert!(
+                doors.iter().all(|error| *error == found.err()),
+                "{ca} {confinement} {t}: {doors:?}"
+            );
             match found {
                 Ok(_) => answered += 1,
                 Err(EvaluateError::BeyondWall { reach: found }) => {
-                    assert!((f64::from(found) - reach).abs() < 1e-4 && reach > 1.0, "{found} {reach}");
+                    assert!(
+                        (f64::from(found) - reach).abs() < 1e-4 && reach > 1.0,
+                        "{found} {reach}"
+                    );
                     walls += 1;
                 }
                 Err(EvaluateError::WrongVolume { volume, .. }) => {

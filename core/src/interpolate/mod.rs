@@ -263,7 +263,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let rounding = T::from_f32(VARIANCE_ROUNDING) * (lebesgue * lebesgue - T::ONE);
         let powers = 2 * self.degree + 1;
         (0..powers)
-            .fold(self.variance.max(rounding).max(T::ZERO), |square, _| square * self.radius)
+            .fold(self.variance.max(rounding).max(T::ZERO), |square, _| {
+                square * self.radius
+            })
             .sqrt()
     }
 

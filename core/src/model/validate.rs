@@ -64,7 +64,12 @@ impl Judge {
         self.count("parameters", if sphere { 2 } else { parameters.max(1) }, parameters);
         let greatest = if sphere { 1e6 } else { LARGEST_PARAMETER };
         for range in &contents.metadata.parameters {
-            self.setting("parameter minimum", range.min, if sphere { least } else { -greatest }, greatest);
+            self.setting(
+                "parameter minimum",
+                range.min,
+                if sphere { least } else { -greatest },
+                greatest,
+            );
             self.setting("parameter maximum", range.max, range.min, greatest);
             let [origin, scale] = if sphere {
                 [[0.0, 0.0], [1.0, 1.0]]
@@ -167,10 +172,19 @@ impl Judge {
             self.errors(&cluster.direct_errors, samples, instants);
             self.errors(&cluster.paper_errors, samples, instants);
             let known = cluster.interval_errors.rows > 0;
-            let shape = if known { [samples, times.rows().saturating_sub(1)] } else { [0, 0] };
+            let shape = if known {
+                [samples, times.rows().saturating_sub(1)]
+            } else {
+                [0, 0]
+            };
             self.matrix("errors between instants", &cluster.interval_errors, shape, POSITIVE);
             let factors = [shape[1], usize::from(known)];
-            self.matrix("bound's factors between instants", &cluster.interval_bound_factors, factors, POSITIVE);
+            self.matrix(
+                "bound's factors between instants",
+                &cluster.interval_bound_factors,
+                factors,
+                POSITIVE,
+            );
         }
     }
 
@@ -260,7 +274,9 @@ impl Judge {
         for second in 1..samples.rows() {
             let first = second - 1;
             // The last parameter in which they differ.
-            let differing = (0..parameters).rev().find(|d| samples.get(first, *d) != samples.get(second, *d));
+            let differing = (0..parameters)
+                .rev()
+                .find(|d| samples.get(first, *d) != samples.get(second, *d));
             let Some(d) = differing else {
                 return self.refuse(OpenError::DuplicateSample { first, second });
             };

@@ -42,7 +42,10 @@ impl Database {
                 capillary_number,
                 confinement,
                 distance,
-            }) if [capillary_number, confinement, distance].iter().all(|x| x.is_finite() && *x > 0.0) => {
+            }) if [capillary_number, confinement, distance]
+                .iter()
+                .all(|x| x.is_finite() && *x > 0.0) =>
+            {
                 Ok(BendingEffect {
                     capillary_number,
                     confinement,

@@ -50,7 +50,9 @@ pub(crate) fn interval_bound_factors(coarser: &Assembled, cluster: usize) -> Res
     let intervals = 0..truth.first().map_or(0, Vec::len);
     let factor = |interval| quantile(truth.iter().enumerate().map(|row| ratio(row, interval)).collect());
     // Less than 1 would trust the coarser model to know how much too careful the finer one is.
-    Ok(intervals.map(|interval| factor(interval).unwrap_or(1.0).max(1.0)).collect())
+    Ok(intervals
+        .map(|interval| factor(interval).unwrap_or(1.0).max(1.0))
+        .collect())
 }
 
 /// True over expected errors at the instants, with the part of the domain that each sample stands for: of each sample from
@@ -154,7 +156,11 @@ fn rows_left_out(
         ratios(plan, &model, &plan.samples[cluster.part.members[place]])
     };
     let mut found = Vec::new();
-    for parameter in if plan.of_channel() { last..parameters } else { 0..parameters } {
+    for parameter in if plan.of_channel() {
+        last..parameters
+    } else {
+        0..parameters
+    } {
         let Some(row) = row(plan, cluster, place, parameter) else {
             continue;
         };

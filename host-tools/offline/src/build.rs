@@ -208,11 +208,7 @@ pub fn build<'a>(
 
 /// Gives a model the errors at its samples, each left out (as far as that was done) and not, and those between its instants, which
 /// models of every other and every fourth of these tell.
-fn measure(
-    model: &mut Assembled,
-    left_out: &[LeftOut],
-    coarser: [Option<&Assembled>; 3],
-) -> Result<(), OfflineError> {
+fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assembled>; 3]) -> Result<(), OfflineError> {
     for cluster in 0..model.reduced.len() {
         for (m, method) in METHODS.into_iter().enumerate() {
             let own = model.own_errors(cluster, method, |sample| &sample.truth)?;
@@ -221,7 +217,10 @@ fn measure(
             let of_method = left_out.iter().filter(|e| e.cluster == cluster && e.method == method);
             let errors = &mut model.built[cluster].parts.errors[m];
             *errors = if left_out.is_empty() {
-                ErrorParts { floor, ..errors.clone() }
+                ErrorParts {
+                    floor,
+                    ..errors.clone()
+                }
             } else {
                 ErrorParts::new(of_method, model.plan.error_times().len(), floor)
             };

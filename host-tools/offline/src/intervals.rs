@@ -44,7 +44,9 @@ impl Coarse {
 
     /// What a model errs at the instants that it leaves out, beyond what it errs at those that it knows.
     fn of(model: &Assembled, cluster: usize, floor: f64) -> Result<Self, OfflineError> {
-        let errors = model.own_errors(cluster, Method::Direct, |sample| &sample.held_out)?.into_iter();
+        let errors = model
+            .own_errors(cluster, Method::Direct, |sample| &sample.held_out)?
+            .into_iter();
         let above_floor = |row: Vec<f64>| row.into_iter().map(|error| (error - floor).max(0.0)).collect();
         let errors: Vec<Vec<f64>> = errors.map(above_floor).collect();
         Ok(Coarse::new(&errors, model.plan.stride - 1))
@@ -80,7 +82,13 @@ pub(crate) fn interval_errors(
 
 /// Errors in the middle of so many intervals, from those of coarser models.
 fn refined(intervals: usize, two: &Coarse, [four, eight]: [Option<Coarse>; 2]) -> Vec<Vec<f64>> {
-    let fall = |before: f64, after: f64| if before > after { (before / after).min(MOST_FALL) } else { 1.0 };
+    let fall = |before: f64, after: f64| {
+        if before > after {
+            (before / after).min(MOST_FALL)
+        } else {
+            1.0
+        }
+    };
     // What the error in the middle of an interval of the model of every other instant is multiplied by.
     let factor = |interval: usize| {
         let Some(four) = &four else { return 1.0 };
@@ -126,7 +134,7 @@ mod tests {
         let stiff = |t: f64| [(-4.0 * t).exp(), -4.0 * (-4.0 * t).exp()];
         let kinked = |t: f64| [(t - 1.33).abs(), (t - 1.33).signum()];
         for (name, f, within) in [
-            ("smooth", &smooth as &(dyn Fn(f64) -> [f64; 2]), 1.5),
+            ("smooth", &smooth as &dyn Fn(f64) -> [f64; 2], 1.5),
             ("stiff", &stiff, 4.0),
             ("kinked", &kinked, 4.0),
         ] {
@@ -134,7 +142,10 @@ mod tests {
             let coarse = |errors: Vec<f64>| Coarse::new(&[errors], 1);
             let found = &refined(one.len(), &coarse(two), [four, eight].map(coarse).map(Some))[0];
             let [found, exact] = [found, &one].map(|errors| errors.iter().fold(0.0, |m: f64, e| m.max(*e)));
-            assert!(found > exact / within && found < within * exact, "{name}: {found:e}, {exact:e}");
+            assert!(
+                found > exact / within && found < within * exact,
+                "{name}: {found:e}, {exact:e}"
+            );
         }
     }
 }

@@ -7,8 +7,8 @@ use capsule_core::model::wire::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::plan::{Plan, Reduced};
 use crate::compare::{METHODS, distances, predictions};
+use crate::plan::{Plan, Reduced};
 use crate::writer::ClusterParts;
 use crate::{OfflineError, Progress, Settings, Source};
 

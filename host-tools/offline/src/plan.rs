@@ -136,7 +136,11 @@ impl Surfaces {
         }
         let count = last + 1;
         let thin = |fields: &[Vec<Vec<[f64; 3]>>]| fields.iter().map(|run| every(&run[..count], stride)).collect();
-        let velocities = if self.derived { Vec::new() } else { thin(&self.collection.velocities) };
+        let velocities = if self.derived {
+            Vec::new()
+        } else {
+            thin(&self.collection.velocities)
+        };
         let collection = Collection::new(Collection {
             times: every(&self.collection.times[..count], stride),
             positions: thin(&self.collection.positions),
@@ -299,7 +303,14 @@ impl<'a> Plan<'a> {
         if error_times.is_empty() {
             error_times.extend(collection.times.last());
         }
-        let samples = of_collection(collection, reference, symmetry, &error_times, given_parameters, progress)?;
+        let samples = of_collection(
+            collection,
+            reference,
+            symmetry,
+            &error_times,
+            given_parameters,
+            progress,
+        )?;
         let names = collection.parameter_names.clone();
         let parts = clusters(&samples, settings.split, &names)?;
         let domain = Domain {
@@ -422,12 +433,24 @@ impl<'a> Plan<'a> {
     /// A model in the working units.
     pub(crate) fn write(&self, clusters: &[&ClusterParts]) -> Result<Vec<u8>, OfflineError> {
         let scaling = Scaling::none(&self.domain.ranges);
-        write([self.given, &self.settings], &self.domain, &self.mesh, clusters, &scaling)
+        write(
+            [self.given, &self.settings],
+            &self.domain,
+            &self.mesh,
+            clusters,
+            &scaling,
+        )
     }
 
     /// A model in the units of its data.
     pub(crate) fn write_in_given_units(&self, clusters: &[&ClusterParts]) -> Result<Vec<u8>, OfflineError> {
-        write([self.given, &self.settings], &self.domain, &self.mesh, clusters, &self.scaling)
+        write(
+            [self.given, &self.settings],
+            &self.domain,
+            &self.mesh,
+            clusters,
+            &self.scaling,
+        )
     }
 
     /// A quarter of the way of the nodes from each snapshot to the next, for each sample of a cluster: what interpolation may
@@ -438,7 +461,9 @@ impl<'a> Plan<'a> {
         };
         let steps = |sample: &usize| {
             let snapshots = surfaces.collection.positions[*sample].windows(2);
-            snapshots.map(|pair| 0.25 * self.distance.between(&pair[0], &pair[1])).collect()
+            snapshots
+                .map(|pair| 0.25 * self.distance.between(&pair[0], &pair[1]))
+                .collect()
         };
         Ok(self.parts[cluster].members.iter().map(steps).collect())
     }

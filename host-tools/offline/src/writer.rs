@@ -208,7 +208,9 @@ impl MeshParts {
         let outlines = match reference {
             Reference::Sphere => outlines(&mesh.nodes, 1.0)?,
             // Nodes stay in the planes of the outlines by symmetry alone.
-            Reference::Shape { radius, .. } if symmetry.order() == 8 => outlines(&mesh.nodes, radius).unwrap_or_default(),
+            Reference::Shape { radius, .. } if symmetry.order() == 8 => {
+                outlines(&mesh.nodes, radius).unwrap_or_default()
+            }
             Reference::Shape { .. } => Vec::new(),
         };
         let order = order(symmetry, outlines.iter().flat_map(|(_, nodes)| nodes));

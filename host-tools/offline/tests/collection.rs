@@ -199,7 +199,7 @@ fn all_is_answered_without_outlines_and_mechanics_is_refused() {
     let mesh = tilted();
     let (volume, centroid) = mesh.volume_and_centroid(nodes).unwrap();
     close(instant.volume().unwrap(), volume);
-    close(instant.centroid(), centroid);
+    close(instant.centroid().unwrap(), centroid);
     let rate = collection.velocities[7][6].clone();
     close(found.velocity, mesh.centroid_velocity(nodes, &rate).unwrap());
     let mut sector = vec![[0.0; 3]; 66];
