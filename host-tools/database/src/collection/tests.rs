@@ -6,8 +6,8 @@ use std::path::Path;
 use ndarray::{Array1, Array2, Array4, ArrayD};
 
 use super::Collection;
-use crate::mesh::tests::octahedral;
 use crate::DatabaseError;
+use crate::mesh::tests::octahedral;
 
 /// The arrays of a good file, by name.
 struct Arrays(Vec<(&'static str, ArrayD<f64>)>);

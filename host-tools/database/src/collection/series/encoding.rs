@@ -1,21 +1,13 @@
-//! Numbers of VTK's arrays: as text, as base64 or as bytes, plain or compressed.
+//! Arrays of VTK files: as text, as base64 or as bytes, plain or compressed.
 
 use std::io::Read;
 
-use base64::Engine;
-use base64::alphabet::STANDARD;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use flate2::read::ZlibDecoder;
 use lzma_rust2::XzReader;
 use roxmltree::Node;
 
-/// Writers differ in whether they pad.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &STANDARD,
-    GeneralPurposeConfig::new()
-        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
-        .with_decode_allow_trailing_bits(true),
-);
+use super::numbers::{finite, from_bytes, from_text, size};
+use super::stream::Stream;
 
 /// The most memory for a block of LZMA, in KiB: twice the dictionary of its highest level.
 const LZMA_MEMORY: u32 = 128 << 10;
@@ -97,7 +89,7 @@ impl<'a> Encoding<'a> {
             .filter_map(|child| child.text().filter(|_| child.is_text()))
             .collect();
         let mut stream = match array.attribute("format").unwrap_or("ascii") {
-            "ascii" => return finite(words(&text, count)?),
+            "ascii" => return finite(from_text(&text, count)?),
             "binary" => Stream::base64(text.as_bytes()),
             "appended" => self.appended_at(array.attribute("offset"))?,
             found => return Err(format!("format `{found}`, expected ascii, binary or appended")),
@@ -108,8 +100,11 @@ impl<'a> Encoding<'a> {
         let length = count
             .checked_mul(size)
             .ok_or_else(|| format!("{count} numbers are too many"))?;
-        let numbers = from_bytes(&self.content(&mut stream, length)?, kind, self.big_endian);
-        finite(numbers)
+        let content = self.content(&mut stream, length)?;
+        if array.attribute("format") == Some("binary") {
+            stream.end()?;
+        }
+        finite(from_bytes(&content, kind, self.big_endian))
     }
 
     fn appended_at(&self, offset: Option<&str>) -> Result<Stream<'a>, String> {
@@ -166,13 +161,10 @@ impl<'a> Encoding<'a> {
     /// Numbers of a header.
     fn words(&self, stream: &mut Stream, count: usize) -> Result<Vec<u64>, String> {
         let bytes = stream.take(count.saturating_mul(self.header))?;
-        let word = |bytes: &[u8]| {
-            let number =
-                |bytes: &mut dyn Iterator<Item = &u8>| bytes.fold(0, |word, byte| word << 8 | u64::from(*byte));
-            match self.big_endian {
-                true => number(&mut bytes.iter()),
-                false => number(&mut bytes.iter().rev()),
-            }
+        let append = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
+        let word = |bytes: &[u8]| match self.big_endian {
+            true => bytes.iter().fold(0, append),
+            false => bytes.iter().rev().fold(0, append),
         };
         Ok(bytes.chunks_exact(self.header).map(word).collect())
     }
@@ -204,138 +196,259 @@ impl Compressor {
     }
 }
 
-/// Bytes in sequence.
-enum Stream<'a> {
-    Raw(&'a [u8]),
-    /// One or several runs of base64, each padded or not, with white space anywhere; `decoded` were read too far.
-    Base64 {
-        text: &'a [u8],
-        decoded: Vec<u8>,
-    },
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use base64::prelude::{BASE64_STANDARD, Engine};
+    use roxmltree::Document;
 
-impl<'a> Stream<'a> {
-    fn base64(text: &'a [u8]) -> Self {
-        let decoded = Vec::new();
-        Stream::Base64 { text, decoded }
+    /// The numbers of the array in a file with these attributes and appended data.
+    fn read(file: &str, array: &str, appended: Option<(&str, &[u8])>, count: usize) -> Result<Vec<f64>, String> {
+        let element = appended.map(|(encoding, _)| format!("<AppendedData encoding='{encoding}'/>"));
+        let text = format!("<VTKFile {file}>{array}{}</VTKFile>", element.unwrap_or_default());
+        let document = Document::parse(&text).unwrap();
+        let root = document.root_element();
+        let encoding = Encoding::new(root, appended.map(|(_, data)| data))?;
+        encoding.numbers(root.first_element_child().unwrap(), count)
     }
 
-    /// From another place on; white space counts, as VTK counts it.
-    fn at(&self, offset: usize) -> Result<Self, String> {
-        let (Stream::Raw(data) | Stream::Base64 { text: data, .. }) = self;
-        let from = |data: &'a [u8]| match data.get(offset..) {
-            Some([_, ..]) => Ok(&data[offset..]),
-            _ => Err(format!(
-                "`offset` {offset} is beyond the appended data, {} long",
-                data.len()
-            )),
-        };
-        match self {
-            Stream::Raw(_) => from(data).map(Stream::Raw),
-            Stream::Base64 { .. } => from(data).map(Stream::base64),
+    fn inline(kind: &str, text: &str) -> String {
+        format!("<DataArray type='{kind}' format='binary'>{text}</DataArray>")
+    }
+
+    fn halves(count: usize) -> Vec<f64> {
+        (0..count).map(|k| k as f64 / 2.0).collect()
+    }
+
+    /// 48 numbers in blocks of 160, 160 and 64 bytes, as VTK 9.7 writes them.
+    const BLOCKS: [(&str, &str); 3] = [
+        (
+            "vtkZLibDataCompressor",
+            "AwAAAKAAAABAAAAAPwAAADgAAAAiAAAAeNpjYEAGD+wh9Aco/QNKMzhAKBYozQGleaC0AJQWgtIiUFoMSktAaSkoLQOl5aC0ApRWhNJK\
+             UFrZAQATzgjceNotx8kNgEAAxLAphvuGbWBLo3QEOB8ryVtTP9KyY8+BIyfOXLhy487j92ZOz1yeKb7UB7cKCn942mNgAAETBzDVAKUZ\
+             TKF8KM1gBuVDaQZzKN/cAQChyAWt",
+        ),
+        (
+            "vtkLZ4DataCompressor",
+            "AwAAAKAAAABAAAAAVQAAAFoAAAApAAAAGQABACLgPw8AE/AIABP4CAAiAEAYABMECAATCAgAEwwIABMQCAATEggAExQIABMWCAATGAgA\
+             ExoIABMcCAATHggAEyAIABMhCACgIkAAAAAAAAAjQBEAAQAhJEAHACMAJQgAEyYIABMnCAATKAgAEykIABMqCAATKwgAEywIABMtCAAT\
+             LggAEy8IABIwCAATgAgAIwAxEAADCAAjADIQAAMIALAAM0AAAAAAAIAzQBEAAQAhNEAHABOACAAjADUQAAMIACMANhAAAwgAsAA3QAAA\
+             AAAAgDdA",
+        ),
+        (
+            "vtkLZMADataCompressor",
+            "AwAAAKAAAABAAAAAbAAAAGwAAABUAAAA/Td6WFoAAAFpIt42A8A0oAEhARYAAAAAcBvCqeAAnwAsXQAAbNpQiPXYHmQm5qBLbxD5GAoV\
+             Ck48ZWVOB3hyXvnBf0iZ5T2Gcker+b0AAACQvtXGAAFIoAEAAAAvpMXoPjANiwIAAAAAAVla/Td6WFoAAAFpIt42A8A0oAEhARYAAAAA\
+             cBvCqeAAnwAsXQAAaYdh7erL8awoKBFddmBiitFhbEAioTyYH6bhPduqzWAPuzqghs40+goy6wA9HilkAAFIoAEAAAAvpMXoPjANiwIA\
+             AAAAAVla/Td6WFoAAAFpIt42AsAhQCEBFgD+3s164AA/ABldAABpi2HdafwVJUj1f1gHkFnOIbusls9eyAAAAAAAndpgsQABMUAJ8weQ\
+             kEKZDQEAAAAAAVla",
+        ),
+    ];
+
+    #[test]
+    fn compressed_blocks_of_vtk_are_read() {
+        for (compressor, text) in BLOCKS {
+            let file = format!("header_type='UInt32' compressor='{compressor}'");
+            assert_eq!(
+                read(&file, &inline("Float64", text), None, 48),
+                Ok(halves(48)),
+                "{compressor}"
+            );
+            let array = "<DataArray type='Float64' format='appended' offset='3'/>";
+            let appended = format!("abc{text}AAAA");
+            let found = read(&file, array, Some(("base64", appended.as_bytes())), 48);
+            assert_eq!(found, Ok(halves(48)), "{compressor}");
+            let bytes = [
+                &BASE64_STANDARD.decode(&text[..32]).unwrap(),
+                &BASE64_STANDARD.decode(&text[32..]).unwrap()[..],
+            ];
+            let found = read(&file, &array.replace('3', "0"), Some(("raw", &bytes.concat())), 48);
+            assert_eq!(found, Ok(halves(48)), "{compressor}");
         }
     }
 
-    fn take(&mut self, count: usize) -> Result<Vec<u8>, String> {
-        let short = |found: usize| format!("is cut short: {found} bytes, expected {count}");
-        match self {
-            Stream::Raw(data) => {
-                let (taken, rest) = data.split_at_checked(count).ok_or_else(|| short(data.len()))?;
-                *data = rest;
-                Ok(taken.to_vec())
-            }
-            Stream::Base64 { text, decoded } => {
-                while decoded.len() < count {
-                    let run = run(text, (count - decoded.len()).div_ceil(3).saturating_mul(4));
-                    if run.is_empty() {
-                        return Err(short(decoded.len()));
-                    }
-                    decoded.extend(
-                        BASE64
-                            .decode(run)
-                            .map_err(|error| format!("is no sound base64: {error}"))?,
-                    );
-                }
-                let rest = decoded.split_off(count);
-                Ok(std::mem::replace(decoded, rest))
-            }
+    #[test]
+    fn damaged_blocks_are_named() {
+        for ((compressor, text), name) in BLOCKS.into_iter().zip(["zlib", "LZ4", "LZMA"]) {
+            let file = format!("compressor='{compressor}'");
+            let refused = |text: &str, count: usize| read(&file, &inline("Float64", text), None, count).unwrap_err();
+            assert_eq!(refused(text, 47), "has 384 bytes, expected 376");
+            let error = refused(&text[..text.len() - 16], 48);
+            assert!(error.contains("cut short"), "{error}");
+            let zeros = format!("{}{}", &text[..32], "A".repeat(text.len() - 32));
+            let error = refused(&zeros, 48);
+            assert!(error.contains("block 0 is damaged") && error.contains(name), "{error}");
+            assert!(refused("AAAAAAAAAAAAAAAA", 48).contains("0 compressed blocks"));
         }
     }
-}
 
-/// The next characters of base64, up to `most`, or up to padding.
-fn run(text: &mut &[u8], most: usize) -> Vec<u8> {
-    let mut run = Vec::new();
-    while run.len() < most {
-        let Some((character, rest)) = text.split_first() else {
-            break;
-        };
-        *text = rest;
-        if !character.is_ascii_whitespace() {
-            run.push(*character);
-            if *character == b'=' && run.len() % 4 == 0 {
-                break;
-            }
-        }
-    }
-    run
-}
-
-/// Numbers from text.
-fn words(text: &str, count: usize) -> Result<Vec<f64>, String> {
-    let number = |word: &str| word.parse().map_err(|_| format!("has `{word}`, expected a number"));
-    let numbers: Vec<f64> = text.split_ascii_whitespace().map(number).collect::<Result<_, _>>()?;
-    match numbers.len() == count {
-        true => Ok(numbers),
-        false => Err(format!("has {} numbers, expected {count}", numbers.len())),
-    }
-}
-
-fn finite(numbers: Vec<f64>) -> Result<Vec<f64>, String> {
-    match numbers.iter().position(|number| !number.is_finite()) {
-        None => Ok(numbers),
-        Some(index) => Err(format!(
-            "value {index} is {}, expected finite numbers only",
-            numbers[index]
-        )),
-    }
-}
-
-/// Bytes of a number of a VTK type.
-fn size(kind: &str) -> Result<usize, String> {
-    match kind {
-        "Int8" | "UInt8" => Ok(1),
-        "Int16" | "UInt16" => Ok(2),
-        "Int32" | "UInt32" | "Float32" => Ok(4),
-        "Int64" | "UInt64" | "Float64" => Ok(8),
-        _ => Err(format!(
-            "has the type `{kind}`, expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64"
-        )),
-    }
-}
-
-/// Numbers of a VTK type.
-fn from_bytes(bytes: &[u8], kind: &str, big_endian: bool) -> Vec<f64> {
-    macro_rules! read {
+    /// Bytes of 1, 2 and 100 in a type of numbers, in either byte order.
+    macro_rules! bytes {
         ($kind:ty) => {{
-            let numbers = bytes.as_chunks::<{ size_of::<$kind>() }>().0.iter();
-            let number = match big_endian {
-                true => <$kind>::from_be_bytes,
-                false => <$kind>::from_le_bytes,
-            };
-            numbers.map(|bytes| number(*bytes) as f64).collect()
+            let numbers = [1 as $kind, 2 as $kind, 100 as $kind];
+            let [little, big] = [<$kind>::to_le_bytes, <$kind>::to_be_bytes].map(|bytes| numbers.map(bytes).concat());
+            (little, big)
         }};
     }
-    match kind {
-        "Int8" => read!(i8),
-        "UInt8" => read!(u8),
-        "Int16" => read!(i16),
-        "UInt16" => read!(u16),
-        "Int32" => read!(i32),
-        "UInt32" => read!(u32),
-        "Int64" => read!(i64),
-        "UInt64" => read!(u64),
-        "Float32" => read!(f32),
-        _ => read!(f64),
+
+    #[test]
+    fn all_types_are_read_in_all_forms() {
+        for (kind, (little, big)) in [
+            ("Int8", bytes!(i8)),
+            ("UInt8", bytes!(u8)),
+            ("Int16", bytes!(i16)),
+            ("UInt16", bytes!(u16)),
+            ("Int32", bytes!(i32)),
+            ("UInt32", bytes!(u32)),
+            ("Int64", bytes!(i64)),
+            ("UInt64", bytes!(u64)),
+            ("Float32", bytes!(f32)),
+            ("Float64", bytes!(f64)),
+        ] {
+            let length = little.len();
+            let headers = [
+                (
+                    "UInt32",
+                    (length as u32).to_le_bytes().to_vec(),
+                    (length as u32).to_be_bytes().to_vec(),
+                ),
+                (
+                    "UInt64",
+                    (length as u64).to_le_bytes().to_vec(),
+                    (length as u64).to_be_bytes().to_vec(),
+                ),
+            ];
+            for (header_type, little_header, big_header) in headers {
+                for (order, header, data) in [
+                    ("LittleEndian", little_header, &little),
+                    ("BigEndian", big_header, &big),
+                ] {
+                    let file = format!("header_type='{header_type}' byte_order='{order}'");
+                    let encode = |bytes: &[u8]| BASE64_STANDARD.encode(bytes);
+                    let whole = [&header[..], data].concat();
+                    let wrapped: Vec<String> = encode(&whole).chars().map(|c| format!("{c}\n ")).collect();
+                    let texts = [
+                        encode(&whole),
+                        encode(&header) + &encode(data),
+                        wrapped.concat(),
+                        encode(&whole).trim_end_matches('=').to_owned(),
+                        encode(&[&whole[..], &[0; 5]].concat()),
+                    ];
+                    for text in texts {
+                        let found = read(&file, &inline(kind, &text), None, 3);
+                        assert_eq!(found, Ok(vec![1.0, 2.0, 100.0]), "{file} {kind} {text}");
+                    }
+                    let array = format!("<DataArray type='{kind}' format='appended' offset='7'/>");
+                    let raw = [&[b'<'; 7][..], &whole, &whole].concat();
+                    let found = read(&file, &array, Some(("raw", &raw)), 3);
+                    assert_eq!(found, Ok(vec![1.0, 2.0, 100.0]), "{file} {kind}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn text_may_hold_comments_and_notes() {
+        let array = |text: &str| format!("<DataArray type='Float32'>{text}</DataArray>");
+        for text in [
+            "0.5<!-- 7 -->\n1e1 -2",
+            "<![CDATA[0.5 10]]>\t-2 <InformationKey>3</InformationKey>",
+            "5e-1 10. -2",
+        ] {
+            assert_eq!(read("", &array(text), None, 3), Ok(vec![0.5, 10.0, -2.0]), "{text}");
+        }
+        for (text, reason) in [
+            ("1 2", "has 2 numbers, expected 3"),
+            ("1 2 x", "has `x`, expected a number"),
+            ("1 nan 3", "value 1 is NaN, expected finite numbers only"),
+            ("1 2 1e999", "value 2 is inf, expected finite numbers only"),
+        ] {
+            assert_eq!(read("", &array(text), None, 3), Err(reason.to_owned()));
+        }
+    }
+
+    #[test]
+    fn other_forms_are_named() {
+        let good = "<DataArray type='Int8' format='ascii'>1</DataArray>";
+        for (file, array, appended, words) in [
+            (
+                "compressor='vtkZfpDataCompressor'",
+                good,
+                None,
+                &["`vtkZfpDataCompressor`", "vtkLZ4"][..],
+            ),
+            ("header_type='UInt16'", good, None, &["`UInt16`", "UInt64"]),
+            ("byte_order='Middle'", good, None, &["`Middle`", "BigEndian"]),
+            ("", good, Some(("hex", &b"00"[..])), &["`hex`", "raw"]),
+            (
+                "",
+                "<DataArray type='String' format='ascii'>1</DataArray>",
+                None,
+                &["`String`", "Float64"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='hex'>1</DataArray>",
+                None,
+                &["`hex`", "appended"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='binary'>!!!!!!!!</DataArray>",
+                None,
+                &["base64"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='binary'>AgAAAAECAw==</DataArray>",
+                None,
+                &["2 bytes, expected 1"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='binary'>AQAAAAECAw==</DataArray>",
+                None,
+                &["2 bytes more"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='binary'></DataArray>",
+                None,
+                &["cut short: 0 bytes, expected 4"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='appended' offset='0'/>",
+                None,
+                &["no AppendedData"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='appended'/>",
+                Some(("raw", b"00")),
+                &["no `offset`"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='appended' offset='-1'/>",
+                Some(("raw", b"00")),
+                &["`-1`"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='appended' offset='9'/>",
+                Some(("raw", b"00")),
+                &["9", "beyond", "2 long"],
+            ),
+            (
+                "",
+                "<DataArray type='Int8' format='appended' offset='0'/>",
+                Some(("raw", b"00")),
+                &["cut short"],
+            ),
+        ] {
+            let error = read(file, array, appended, 1).unwrap_err();
+            assert!(words.iter().all(|word| error.contains(word)), "{file} {array}: {error}");
+        }
     }
 }

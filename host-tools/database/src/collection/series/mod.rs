@@ -11,7 +11,9 @@
 mod encoding;
 mod instants;
 mod markup;
+mod numbers;
 mod pvd;
+mod stream;
 mod table;
 #[cfg(test)]
 mod tests;

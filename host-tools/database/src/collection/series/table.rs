@@ -71,6 +71,12 @@ impl Table {
                 ));
             }
         }
+        for (index, row) in rows.iter().enumerate() {
+            if let Some(first) = rows[..index].iter().find(|other| other.parameters == row.parameters) {
+                let lines = format!("lines {} and {}", first.line, row.line);
+                return Err(format!("{lines} have the same parameters; expected different ones"));
+            }
+        }
         Ok(Self { names, rows })
     }
 }
@@ -188,6 +194,7 @@ mod tests {
             ("series,flow\na,inf\n", &["line 2", "`flow` is `inf`", "finite"]),
             ("series;flow\na;0,5\n", &["line 2", "`flow` is `0,5`"]),
             ("series,flow\na,1\nb,2\na,3\n", &["lines 2 and 4", "`a`"]),
+            ("series,flow\na,1\nb,2\nc,2.0\n", &["lines 3 and 4", "same parameters"]),
         ] {
             let error = Table::parse(text.as_bytes()).unwrap_err();
             assert!(words.iter().all(|word| error.contains(word)), "{text:?}: {error}");

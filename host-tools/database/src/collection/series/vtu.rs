@@ -58,7 +58,7 @@ impl Snapshot {
     /// Takes the pieces of another one too; empty ones are none.
     ///
     /// # Errors
-    /// Flat and quadratic triangles in one surface.
+    /// Flat and quadratic triangles in one surface, velocities in some pieces alone.
     pub fn append(&mut self, other: Self) -> Result<(), String> {
         if other.positions.is_empty() {
             return Ok(());
@@ -74,10 +74,12 @@ impl Snapshot {
             ));
         }
         let nodes = self.positions.len();
+        if nodes > 0 && self.velocities.is_some() != other.velocities.is_some() {
+            return Err("array `velocity` is in some pieces alone, expected in all or none".to_owned());
+        }
         self.velocities = match (self.velocities.take(), other.velocities) {
             (Some(first), Some(second)) => Some([first, second].concat()),
-            (None, second) if nodes == 0 => second,
-            _ => None,
+            (_, second) => second,
         };
         let shifted = other
             .triangles
