@@ -1,19 +1,10 @@
 //! Arrays of VTK files: as text, as base64 or as bytes, plain or compressed.
 
-use std::io::Read;
-
-use flate2::read::ZlibDecoder;
-use lzma_rust2::XzReader;
 use roxmltree::Node;
 
+use super::compressor::Compressor;
 use super::numbers::{finite, from_bytes, from_text, size};
 use super::stream::Stream;
-
-/// The most memory for a block of LZMA, in KiB: twice the dictionary of its highest level.
-const LZMA_MEMORY: u32 = 128 << 10;
-
-/// No block of LZ4 grows by more than this.
-const LZ4_GROWTH: usize = 255;
 
 /// How a file writes its arrays.
 pub(super) struct Encoding<'a> {
@@ -22,13 +13,6 @@ pub(super) struct Encoding<'a> {
     compressor: Option<Compressor>,
     big_endian: bool,
     appended: Option<Stream<'a>>,
-}
-
-#[derive(Clone, Copy)]
-enum Compressor {
-    Zlib,
-    Lz4,
-    Lzma,
 }
 
 impl<'a> Encoding<'a> {
@@ -50,13 +34,7 @@ impl<'a> Encoding<'a> {
         };
         let compressor = match file.attribute("compressor").unwrap_or_default() {
             "" => None,
-            "vtkZLibDataCompressor" => Some(Compressor::Zlib),
-            "vtkLZ4DataCompressor" => Some(Compressor::Lz4),
-            "vtkLZMADataCompressor" => Some(Compressor::Lzma),
-            found => {
-                let expected = "vtkZLibDataCompressor, vtkLZ4DataCompressor, vtkLZMADataCompressor or none";
-                return other("compressor", found, expected);
-            }
+            name => Some(Compressor::named(name)?),
         };
         let node = file.children().find(|node| node.has_tag_name("AppendedData"));
         let appended = match (
@@ -167,32 +145,6 @@ impl<'a> Encoding<'a> {
             false => bytes.iter().rev().fold(0, append),
         };
         Ok(bytes.chunks_exact(self.header).map(word).collect())
-    }
-}
-
-impl Compressor {
-    fn name(self) -> &'static str {
-        match self {
-            Compressor::Zlib => "zlib",
-            Compressor::Lz4 => "LZ4",
-            Compressor::Lzma => "LZMA",
-        }
-    }
-
-    /// The bytes of a block, about `size`, if it is sound.
-    fn unpack(self, block: &[u8], size: usize) -> Option<Vec<u8>> {
-        let mut bytes = Vec::new();
-        let most = size as u64 + 1;
-        match self {
-            Compressor::Zlib => ZlibDecoder::new(block).take(most).read_to_end(&mut bytes).ok()?,
-            Compressor::Lzma => {
-                let reader = XzReader::new_mem_limit(block, false, LZMA_MEMORY);
-                reader.take(most).read_to_end(&mut bytes).ok()?
-            }
-            Compressor::Lz4 if size / LZ4_GROWTH > block.len() => return None,
-            Compressor::Lz4 => return lz4_flex::block::decompress(block, size).ok(),
-        };
-        Some(bytes)
     }
 }
 

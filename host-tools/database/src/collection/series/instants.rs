@@ -30,10 +30,10 @@ pub(super) fn common(series: &mut [Series], notes: &mut Vec<String>) -> Result<V
         }
         times.retain(|time| nearest(one, *time, tolerance).is_some());
         if times.len() < 2 {
+            let (found, others) = (times.len(), words(&series[0]));
             let reason = format!(
-                "has {} of the instants that the series before it share; expected at least 2 that all have ({first} has {})",
-                times.len(),
-                words(&series[0])
+                "has {found} of the instants that the series before it share; expected at least 2 that all have \
+                 ({first} has {others})"
             );
             return Err(malformed(&one.path, reason));
         }

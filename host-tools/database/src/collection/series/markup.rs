@@ -1,5 +1,7 @@
 //! XML files of VTK: their markup, and the appended data, which need not be XML.
 
+use std::ops::Range;
+
 use roxmltree::Document;
 
 /// The text of a file without its appended data, and those data.
@@ -17,11 +19,14 @@ impl Markup {
         if let Some(kind) = other_kind(bytes) {
             return Err(kind.to_owned());
         }
-        let (before, appended, after) = part(bytes)?;
-        let markup = [before, after].concat();
+        let Some(range) = appended(bytes)? else {
+            let text = decode(bytes)?;
+            return Ok(Self { text, appended: None });
+        };
+        let markup = [&bytes[..range.start], &bytes[range.end..]].concat();
         Ok(Self {
             text: decode(&markup)?,
-            appended: appended.map(<[u8]>::to_vec),
+            appended: Some(bytes[range].to_vec()),
         })
     }
 
@@ -89,22 +94,27 @@ fn advice(found: &str) -> &'static str {
     }
 }
 
-/// The bytes before, in and after `AppendedData`: from behind the underscore to the last closing tag of that name.
-fn part(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>, &[u8]), String> {
-    let find = |text: &[u8], word: &[u8]| text.windows(word.len()).position(|window| window == word);
-    let Some(open) = find(bytes, b"<AppendedData") else {
-        return Ok((bytes, None, b""));
+/// Where the appended data are: from behind the underscore to the last closing tag of `AppendedData`.
+fn appended(bytes: &[u8]) -> Result<Option<Range<usize>>, String> {
+    let find = |word: &[u8], from: usize| {
+        let place = bytes[from..].windows(word.len()).position(|window| window == word);
+        place.map(|place| from + place)
     };
-    let start = open + find(&bytes[open..], b">").ok_or("cut short in the tag AppendedData")? + 1;
-    let (before, rest) = bytes.split_at(start);
-    let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-    let content = rest[blank..]
-        .strip_prefix(b"_")
-        .ok_or("AppendedData do not begin with `_`")?;
+    let Some(open) = find(b"<AppendedData", 0) else {
+        return Ok(None);
+    };
+    let content = find(b">", open).ok_or("cut short in the tag AppendedData")? + 1;
+    let blank = bytes[content..].iter().take_while(|byte| byte.is_ascii_whitespace());
+    let start = content + blank.count() + 1;
+    if bytes.get(start - 1) != Some(&b'_') {
+        return Err("AppendedData do not begin with `_`".to_owned());
+    }
     let closing = b"</AppendedData";
-    let end = content.windows(closing.len()).rposition(|window| window == closing);
-    let (data, after) = content.split_at(end.ok_or("cut short: AppendedData have no end")?);
-    Ok((before, Some(data), after))
+    let length = bytes[start..]
+        .windows(closing.len())
+        .rposition(|window| window == closing);
+    let length = length.ok_or("cut short: AppendedData have no end")?;
+    Ok(Some(start..start + length))
 }
 
 /// Text in UTF-8, or in ISO 8859-1 if the file says so.

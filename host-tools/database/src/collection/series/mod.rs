@@ -1,13 +1,14 @@
 //! Collections as folders of VTU series.
 //!
-//! The folder holds `parameters.csv`: a heading `series,NAME,...`, then a row for each configuration with the path of its
-//! PVD file, relative to the folder, and its parameters. A PVD file lists VTU files by time; those of `capsule-rom fom run
-//! --out` and `capsule-rom predict --vtu` are of this kind. All series are of one mesh, of flat or quadratic triangles;
-//! of their instants those count that all have, and point data `velocity` where all have it.
+//! The folder holds `parameters.csv`: a heading `series,NAME,...`, then a row for each configuration with the path of
+//! its PVD file, relative to the folder, and its parameters. A PVD file lists VTU files by time; those of `capsule-rom
+//! fom run --out` and `capsule-rom predict --vtu` are of this kind. All series are of one mesh, of flat or quadratic
+//! triangles; of their instants those count that all have, and point data `velocity` where all have it.
 //!
-//! [`table`] reads the table, [`pvd`] the lists, [`instants`] finds the instants that count. [`markup`] opens an XML file
-//! of VTK, [`encoding`] decodes its arrays, [`vtu`] takes the surface from them, and [`weld`] joins its pieces.
+//! `table` reads the table, `pvd` the lists, `instants` finds the instants that count. `markup` opens an XML file of
+//! VTK, `encoding` decodes its arrays, `vtu` takes the surface from them, and `weld` joins its pieces.
 
+mod compressor;
 mod encoding;
 mod instants;
 mod markup;

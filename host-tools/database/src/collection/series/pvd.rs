@@ -130,7 +130,10 @@ impl Entry {
 mod tests {
     use super::*;
 
-    fn read(entries: &str) -> (Result<Vec<(f64, String)>, String>, Vec<String>) {
+    /// Time and files of each frame.
+    type Frames = Vec<(f64, String)>;
+
+    fn read(entries: &str) -> (Result<Frames, String>, Vec<String>) {
         let text = format!("<VTKFile type=\"Collection\" version=\"0.1\"><Collection>{entries}</Collection></VTKFile>");
         let mut notes = Vec::new();
         let series = Series::parse(Path::new("run/c.pvd"), text.as_bytes(), &mut notes);

@@ -8,13 +8,13 @@ use super::malformed;
 use crate::DatabaseError;
 
 /// Names of the parameters, and a row for each configuration.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(super) struct Table {
     pub names: Vec<String>,
     pub rows: Vec<Row>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(super) struct Row {
     /// Line in the file, from 1.
     pub line: usize,
@@ -148,21 +148,25 @@ impl Row {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> (Vec<String>, Vec<(usize, String, Vec<f64>)>) {
-        let table = Table::parse(text.as_bytes()).unwrap();
-        let rows = table.rows.into_iter().map(|row| (row.line, row.series, row.parameters));
-        (table.names, rows.collect())
+    fn read(text: &str) -> Table {
+        Table::parse(text.as_bytes()).unwrap()
+    }
+
+    fn row(line: usize, series: &str, parameters: [f64; 2]) -> Row {
+        let (series, parameters) = (series.to_owned(), parameters.to_vec());
+        Row {
+            line,
+            series,
+            parameters,
+        }
     }
 
     #[test]
     fn tables_of_spreadsheets_are_read() {
-        let expected = (
-            vec!["flow, mean".to_owned(), "size".to_owned()],
-            vec![
-                (2, "a/c.pvd".to_owned(), vec![0.5, -2e-3]),
-                (4, "b, 2/c.pvd".to_owned(), vec![1.0, 4.0]),
-            ],
-        );
+        let expected = Table {
+            names: vec!["flow, mean".to_owned(), "size".to_owned()],
+            rows: vec![row(2, "a/c.pvd", [0.5, -2e-3]), row(4, "b, 2/c.pvd", [1.0, 4.0])],
+        };
         let plain = "series,\"flow, mean\",size\na/c.pvd,0.5,-2e-3\n\n\"b, 2/c.pvd\",1,4\n";
         assert_eq!(read(plain), expected);
         assert_eq!(read(&format!("\u{feff}{plain}")), expected);
