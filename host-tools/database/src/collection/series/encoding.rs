@@ -89,8 +89,8 @@ impl<'a> Encoding<'a> {
         let stream = self
             .appended
             .as_ref()
-            .ok_or("is appended, but the file has no AppendedData")?;
-        let offset = offset.ok_or("is appended, but has no `offset`")?;
+            .ok_or("appended, but the file has no AppendedData")?;
+        let offset = offset.ok_or("appended, but has no `offset`")?;
         let place = offset
             .trim()
             .parse()
@@ -103,7 +103,7 @@ impl<'a> Encoding<'a> {
     fn content(&self, stream: &mut Stream, length: usize) -> Result<Vec<u8>, String> {
         let expect = |found: u64| match found == length as u64 {
             true => Ok(()),
-            false => Err(format!("has {found} bytes, expected {length}")),
+            false => Err(format!("{found} bytes, expected {length}")),
         };
         let Some(compressor) = self.compressor else {
             expect(self.words(stream, 1)?[0])?;
@@ -111,7 +111,7 @@ impl<'a> Encoding<'a> {
         };
         let blocks = self.words(stream, 1)?[0];
         if blocks == 0 || blocks > length as u64 {
-            return Err(format!("has {blocks} compressed blocks, expected {length} bytes"));
+            return Err(format!("{blocks} compressed blocks, expected {length} bytes"));
         }
         let sizes = self.words(stream, 2 + blocks as usize)?;
         let last = if sizes[1] == 0 { sizes[0] } else { sizes[1] };
@@ -224,7 +224,7 @@ mod tests {
         for ((compressor, text), name) in BLOCKS.into_iter().zip(["zlib", "LZ4", "LZMA"]) {
             let file = format!("compressor='{compressor}'");
             let refused = |text: &str, count: usize| read(&file, &inline("Float64", text), None, count).unwrap_err();
-            assert_eq!(refused(text, 47), "has 384 bytes, expected 376");
+            assert_eq!(refused(text, 47), "384 bytes, expected 376");
             let error = refused(&text[..text.len() - 16], 48);
             assert!(error.contains("cut short"), "{error}");
             let zeros = format!("{}{}", &text[..32], "A".repeat(text.len() - 32));
@@ -310,8 +310,8 @@ mod tests {
             assert_eq!(read("", &array(text), None, 3), Ok(vec![0.5, 10.0, -2.0]), "{text}");
         }
         for (text, reason) in [
-            ("1 2", "has 2 numbers, expected 3"),
-            ("1 2 x", "has `x`, expected a number"),
+            ("1 2", "2 numbers, expected 3"),
+            ("1 2 x", "`x`, expected a number"),
             ("1 nan 3", "value 1 is NaN, expected finite numbers only"),
             ("1 2 1e999", "value 2 is inf, expected finite numbers only"),
         ] {

@@ -2,11 +2,11 @@
 
 /// Numbers from text.
 pub(super) fn from_text(text: &str, count: usize) -> Result<Vec<f64>, String> {
-    let number = |word: &str| word.parse().map_err(|_| format!("has `{word}`, expected a number"));
+    let number = |word: &str| word.parse().map_err(|_| format!("`{word}`, expected a number"));
     let numbers: Vec<f64> = text.split_ascii_whitespace().map(number).collect::<Result<_, _>>()?;
     match numbers.len() == count {
         true => Ok(numbers),
-        false => Err(format!("has {} numbers, expected {count}", numbers.len())),
+        false => Err(format!("{} numbers, expected {count}", numbers.len())),
     }
 }
 
@@ -29,7 +29,7 @@ pub(super) fn size(kind: &str) -> Result<usize, String> {
         "Int32" | "UInt32" | "Float32" => Ok(4),
         "Int64" | "UInt64" | "Float64" => Ok(8),
         _ => Err(format!(
-            "has the type `{kind}`, expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64"
+            "type `{kind}`, expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64"
         )),
     }
 }

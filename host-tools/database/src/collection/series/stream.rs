@@ -45,7 +45,7 @@ impl<'a> Stream<'a> {
     }
 
     pub fn take(&mut self, count: usize) -> Result<Vec<u8>, String> {
-        let short = |found: usize| format!("is cut short: {found} bytes, expected {count}");
+        let short = |found: usize| format!("cut short: {found} bytes, expected {count}");
         match self {
             Stream::Raw(data) => {
                 let (taken, rest) = data.split_at_checked(count).ok_or_else(|| short(data.len()))?;
@@ -80,15 +80,13 @@ impl<'a> Stream<'a> {
         }
         match decoded.iter().all(|byte| *byte == 0) {
             true => Ok(()),
-            false => Err(format!("has {} bytes more than its header says", decoded.len())),
+            false => Err(format!("{} bytes more than its header says", decoded.len())),
         }
     }
 }
 
 fn decode(run: Vec<u8>) -> Result<Vec<u8>, String> {
-    BASE64
-        .decode(run)
-        .map_err(|error| format!("is no sound base64: {error}"))
+    BASE64.decode(run).map_err(|error| format!("no sound base64: {error}"))
 }
 
 /// The next characters of base64, up to `most`, or up to padding.

@@ -269,12 +269,12 @@ fn what_is_wrong_with_a_file_is_named_with_the_array() {
         (
             "Name=\"velocity\"",
             "Name=\"velocity\" NumberOfComponents=\"2\"",
-            &["`velocity` has 2 components, expected 3"],
+            &["`velocity`: 2 components, expected 3"],
         ),
         (
             "Name=\"velocity\" format=\"ascii\">",
             "Name=\"velocity\" format=\"ascii\">7 ",
-            &["`velocity` has 199 numbers"],
+            &["`velocity`: 199 numbers"],
         ),
         (
             "Name=\"types\" format=\"ascii\">22",

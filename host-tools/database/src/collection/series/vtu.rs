@@ -156,12 +156,12 @@ impl<'a> Piece<'a> {
     }
 
     fn vectors(&self, array: Node, name: &str, count: usize) -> Result<Vec<[f64; 3]>, String> {
-        let named = |reason: String| format!("array `{name}` {reason}");
+        let named = |reason: String| format!("array `{name}`: {reason}");
         if let Some(found) = array
             .attribute("NumberOfComponents")
             .filter(|found| found.trim() != "3")
         {
-            return Err(named(format!("has {found} components, expected 3")));
+            return Err(named(format!("{found} components, expected 3")));
         }
         let values = self.encoding.numbers(array, 3 * count).map_err(named)?;
         Ok(values.as_chunks().0.to_vec())
@@ -172,7 +172,7 @@ impl<'a> Piece<'a> {
         let array = self.array("Cells", name)?;
         let array = array.ok_or_else(|| format!("array `{name}` in Cells is missing"))?;
         let numbers = self.encoding.numbers(array, count);
-        numbers.map_err(|reason| format!("array `{name}` {reason}"))
+        numbers.map_err(|reason| format!("array `{name}`: {reason}"))
     }
 
     /// The triangles, and how many points and lines there were beside.
@@ -230,7 +230,7 @@ impl<'a> Piece<'a> {
         let values = self
             .encoding
             .numbers(array, cells)
-            .map_err(|reason| format!("array `vtkGhostType` {reason}"))?;
+            .map_err(|reason| format!("array `vtkGhostType`: {reason}"))?;
         match values.iter().position(|value| *value != 0.0) {
             None => Ok(()),
             Some(cell) => Err(format!(
