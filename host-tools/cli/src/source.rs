@@ -33,7 +33,8 @@ impl SourceOptions {
             let database = Database::open(&self.database)?;
             return Ok((Snapshots::Database(Box::new(database)), Settings::default()));
         };
-        let collection = Collection::read(path)?;
+        let (collection, notes) = Collection::read(path)?;
+        notes.iter().for_each(|note| eprintln!("warning: {note}"));
         let mut settings = Settings::of_collection(&collection)?;
         if let Some(Named { name, value }) = &self.split {
             let names = &collection.parameter_names;

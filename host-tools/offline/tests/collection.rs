@@ -364,7 +364,7 @@ fn all_kinds_of_files_give_the_same_model() {
     std::fs::write(series.join("parameters.csv"), table).unwrap();
 
     let bytes = [npz, hdf5, series].map(|path| {
-        let read = Collection::read(&path).unwrap();
+        let (read, _) = Collection::read(&path).unwrap();
         assert_eq!(read, collection, "{}", path.display());
         build(&read, &settings(&read), &quiet).unwrap().0
     });

@@ -51,21 +51,23 @@ pub struct Collection {
 }
 
 impl Collection {
-    /// Reads a `.npz`, `.h5` or `.hdf5` file, or a folder of VTU series.
+    /// Reads a `.npz`, `.h5` or `.hdf5` file, or a folder of VTU series; with warnings, of what was taken otherwise than
+    /// it stands in the files.
     ///
     /// # Errors
     /// What is missing, misshapen or not finite, by the array's name and with the shape that was expected.
-    pub fn read(path: &Path) -> Result<Self, DatabaseError> {
+    pub fn read(path: &Path) -> Result<(Self, Vec<String>), DatabaseError> {
         if path.is_dir() {
             return series::read(path);
         }
-        match path.extension().and_then(|extension| extension.to_str()) {
+        let collection = match path.extension().and_then(|extension| extension.to_str()) {
             Some("npz") => arrays::collection(&mut npz::Archive::open(path)?),
             Some("h5" | "hdf5") => arrays::collection(&mut hdf5::Archive::open(path)?),
             _ => Err(DatabaseError::UnknownKind {
                 path: path.to_path_buf(),
             }),
-        }
+        };
+        Ok((collection?, Vec::new()))
     }
 
     /// A collection of given parts; velocities that are not there (an empty list) are derived from the positions.
