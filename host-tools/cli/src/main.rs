@@ -10,8 +10,10 @@ mod fom_shear;
 mod fom_validate;
 mod interrupt;
 mod model;
+mod names;
 mod offline_build;
 mod outlines;
+mod outputs;
 mod parameters;
 mod predict;
 mod print;
@@ -158,14 +160,17 @@ fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", describe(&error));
-            ExitCode::FAILURE
-        }
+        Err(error) => match error.downcast::<clap::Error>() {
+            Ok(usage) => usage.exit(),
+            Err(error) => {
+                eprintln!("error: {}", describe(&error));
+                ExitCode::FAILURE
+            }
+        },
     }
 }
 
-/// The error and its causes, without what a message already repeats of its cause.
+/// The error and its causes in one line, without what a message already repeats of its cause.
 fn describe(error: &anyhow::Error) -> String {
     error
         .chain()
@@ -179,4 +184,5 @@ fn describe(error: &anyhow::Error) -> String {
                 format!("{text}: {cause}")
             }
         })
+        .replace(['\r', '\n'], " ")
 }

@@ -2,24 +2,26 @@
 
 use crate::fields::{self, Column, Field, Surface, Totals};
 use crate::model::{self, ModelFile};
+use crate::outputs::Outputs;
 use crate::parameters::QueryOptions;
 use crate::{outlines, print};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow, ensure};
 use capsule_core::mechanics::{self, Deformation, Stencil};
 use capsule_core::model::wire::{Reference, Units};
 use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
-use capsule_database::vtu;
+use capsule_database::fields::{write_csv, write_npz};
+use capsule_database::{table, vtu};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
     #[command(flatten)]
     query: QueryOptions,
-    /// Instants, in l/V (or the unit of time of --model)
+    /// Instants from 0 on, in l/V (or the unit of time of --model); answered in rising order, equal ones once
     #[arg(long, value_delimiter = ',', required = true, allow_negative_numbers = true)]
     t: Vec<f32>,
     /// How the answer is computed [default: the model's]
@@ -57,6 +59,7 @@ Examples:
   capsule-rom predict --ca 0.10 --confinement 0.90 --t 0,0.4,3,6,9 --vtu paraview/ --csv table.csv --plot sections.png
   capsule-rom predict --ca 0.05 --confinement 1.00 --t 5 --fields tension,load,energy --vtu paraview/ --json
   capsule-rom predict --model data.crom --parameters flow_rate=1.2,stiffness=0.4 --t 0.5,1
+  capsule-rom predict --model data.crom --parameters '\"Q, flow\"=1.2' --parameters stiffness=0.4 --t 0.5,1
 
 Computed in single precision: the same bits as in the browser and on a microcontroller.
 expected_error is a fraction of a (modified Hausdorff distance in the laboratory frame); 95 of 100 errors are below
@@ -136,6 +139,14 @@ impl InstantRow {
 }
 
 pub fn run(options: &Options) -> Result<()> {
+    let mut outputs = Outputs::default()
+        .reads("--model", options.model.path())
+        .folder("--vtu", options.vtu.as_deref())
+        .file("--csv", options.csv.as_deref())
+        .file("--npz", options.npz.as_deref())
+        .figure("--plot", options.plot.as_deref())
+        .checked()?;
+    let times = rising(&options.t)?;
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
     let method = options.method.map_or(model.contents().default_method, Method::from);
@@ -150,8 +161,7 @@ pub fn run(options: &Options) -> Result<()> {
     prepared.map_err(|error| anyhow!("{}", error.named(&model)))?;
 
     let mut mechanics = Mechanics::new(&model, &options.fields, parameters.values.get(0))?;
-    let instants = options
-        .t
+    let instants = times
         .iter()
         .map(|&t| instant(&mut evaluator, mechanics.as_mut(), t))
         .collect::<Result<Vec<_>>>()?;
@@ -182,33 +192,35 @@ pub fn run(options: &Options) -> Result<()> {
     );
     let nodal_csv = options.csv.as_deref().filter(|_| mechanics.is_some());
     if options.vtu.is_some() || options.npz.is_some() || nodal_csv.is_some() {
-        let surfaces = options
-            .t
+        let surfaces = times
             .iter()
             .map(|&t| surface(&model, &mut evaluator, mechanics.as_mut(), t))
             .collect::<Result<Vec<_>>>()?;
         let instants: Vec<_> = surfaces.iter().map(Surface::instant).collect();
         let mesh = database_mesh(&model);
         if let Some(folder) = &options.vtu {
-            let mut series = vtu::Series::create(folder, "capsule")?;
-            for instant in &instants {
-                series.add(instant.time, &mesh, instant.positions, &instant.data)?;
-            }
-            series.finish()?;
+            outputs.write_into(folder, |folder| {
+                Ok(vtu::Series::write(folder, "capsule", &mesh, &instants)?)
+            })?;
         }
         if let Some(file) = &options.npz {
-            capsule_database::fields::write_npz(file, &mesh, &instants)?;
+            outputs.write(file, |file| write_npz(file, &mesh, &instants))?;
         }
         if let Some(file) = nodal_csv {
-            capsule_database::fields::write_csv(file, &title, &instants)?;
+            outputs.write(file, |file| write_csv(file, &title, &instants))?;
         }
     }
     if let (Some(file), None) = (&options.csv, nodal_csv) {
-        write_csv(file, &title, &prediction.instants)?;
+        let text = instants_csv(&title, &prediction.instants)?;
+        outputs.write(file, |file| std::fs::write(file, text))?;
     }
     if let Some(file) = &options.plot {
-        outlines::plot(file, &mut evaluator, &options.t, &parameters.text(), units.length)?;
+        let query = parameters.text();
+        outputs.write(file, |file| {
+            outlines::plot(file, &mut evaluator, &times, &query, units.length)
+        })?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&prediction);
     }
@@ -225,6 +237,21 @@ pub fn run(options: &Options) -> Result<()> {
     let heading: Vec<_> = rows.iter().take(1).flatten().map(|(name, _)| *name).collect();
     let row = |cells: &Vec<(_, f32)>| cells.iter().map(|(_, value)| format!("{value:.5}")).collect();
     print::table(&heading, &rows.iter().map(row).collect::<Vec<_>>())
+}
+
+/// The instants in rising order, each once, as a series must have them.
+fn rising(given: &[f32]) -> Result<Vec<f32>> {
+    for &t in given {
+        ensure!(
+            t.is_finite() && t >= 0.0,
+            "--t {t}: an instant must be a finite number from 0 on"
+        );
+    }
+    // The sum makes a 0 of a -0.
+    let mut times: Vec<f32> = given.iter().map(|t| t + 0.0).collect();
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    Ok(times)
 }
 
 /// The method's name in JSON and in tables.
@@ -341,16 +368,11 @@ fn surface(
     })
 }
 
-fn write_csv(file: &Path, title: &str, instants: &[InstantRow]) -> Result<()> {
+fn instants_csv(title: &str, instants: &[InstantRow]) -> Result<Vec<u8>> {
     let rows: Vec<_> = instants.iter().map(InstantRow::cells).collect();
-    let heading: Vec<_> = rows.iter().take(1).flatten().map(|(name, _)| *name).collect();
-    let mut text = format!("# {title}\n{}\n", heading.join(","));
-    for row in rows {
-        let cells: Vec<String> = row.iter().map(|(_, value)| value.to_string()).collect();
-        text += &cells.join(",");
-        text.push('\n');
-    }
-    std::fs::write(file, text).with_context(|| format!("could not write {}", file.display()))
+    let heading = rows.iter().take(1).flatten().map(|(name, _)| *name);
+    let texts = |row: &Vec<(_, f32)>| row.iter().map(|(_, value)| value.to_string()).collect::<Vec<_>>();
+    Ok(table::csv(Some(title), heading, rows.iter().map(texts))?)
 }
 
 /// The model's mesh as the writers take it.
