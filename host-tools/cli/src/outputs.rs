@@ -1,7 +1,7 @@
 //! Outputs of a command: checked before anything is computed, and there together or not at all.
 
 use anyhow::{Context, Result, bail, ensure};
-use capsule_database::Staging;
+use capsule_database::{Staging, followed};
 use capsule_plot::Format;
 use same_file::Handle;
 use std::ffi::OsStr;
@@ -94,6 +94,8 @@ impl Outputs {
         if path.exists() {
             let opened = OpenOptions::new().append(true).open(path);
             opened.context("the file that is there cannot be written")?;
+            let printed = Handle::stdout().ok().is_some_and(|stdout| handle(path) == Some(stdout));
+            ensure!(!printed, "the standard output goes there: name another file");
         }
         let folder = folder_of(path);
         let own = |(output, kind): &(Named, Kind)| *kind == Kind::Folder && folder.starts_with(&output.path);
@@ -173,32 +175,22 @@ impl std::fmt::Display for Named {
 fn same(a: &Path, b: &Path) -> bool {
     match (handle(a), handle(b)) {
         (Some(a), Some(b)) => a == b,
-        _ => resolved(a) == resolved(b),
+        _ => by_case(followed(a)) == by_case(followed(b)),
     }
+}
+
+/// In small letters where names that differ by case are usually one file.
+fn by_case(path: PathBuf) -> PathBuf {
+    if cfg!(any(windows, target_os = "macos")) {
+        return path.to_string_lossy().to_lowercase().into();
+    }
+    path
 }
 
 /// A file or folder that is there; a pipe is not opened, since that may wait for its other end.
 fn handle(path: &Path) -> Option<Handle> {
     let there = path.is_file() || path.is_dir();
     there.then(|| Handle::from_path(path).ok()).flatten()
-}
-
-/// The path without links, as far as it is there.
-fn resolved(path: &Path) -> PathBuf {
-    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    let there = absolute
-        .ancestors()
-        .find_map(|there| Some((there, there.canonicalize().ok()?)));
-    let resolved = match there {
-        Some((there, canonical)) => absolute.strip_prefix(there).map(|rest| canonical.join(rest)).ok(),
-        None => None,
-    };
-    let resolved = resolved.unwrap_or(absolute);
-    // Where names that differ by case are usually one file.
-    if cfg!(any(windows, target_os = "macos")) {
-        return resolved.to_string_lossy().to_lowercase().into();
-    }
-    resolved
 }
 
 fn folder_of(path: &Path) -> &Path {

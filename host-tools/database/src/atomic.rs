@@ -55,11 +55,12 @@ impl Staging {
     /// # Errors
     /// [`DatabaseError::Io`] when the place beside the target cannot be written.
     pub fn place(&mut self, target: &Path) -> Result<PathBuf, DatabaseError> {
+        // The paths `.` and `..` have no name.
         let name = target
             .file_name()
             .or_else(|| target.is_dir().then_some("folder".as_ref()));
         let name = name.ok_or_else(|| DatabaseError::io("write", target)(ErrorKind::InvalidFilename.into()))?;
-        let followed = target.canonicalize().unwrap_or_else(|_| target.to_path_buf());
+        let followed = followed(target);
         let beside = if is_special(target) {
             std::env::temp_dir()
         } else if followed.is_dir() {
@@ -176,8 +177,29 @@ fn is_special(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
+/// The absolute path without links and without `.` and `..`, as far as it is there: two paths of one file or folder agree
+/// in it, one that is yet to be made too.
+#[must_use]
+pub fn followed(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let follow = |there: &Path| {
+        let canonical = there.canonicalize().ok()?;
+        // Nothing is added to the path itself, which would end it with a separator.
+        let rest = absolute.strip_prefix(there).ok()?;
+        Some(if rest.as_os_str().is_empty() {
+            canonical
+        } else {
+            canonical.join(rest)
+        })
+    };
+    absolute
+        .ancestors()
+        .find_map(follow)
+        .unwrap_or_else(|| absolute.clone())
+}
+
 /// The folder of a file.
-pub(crate) fn parent(path: &Path) -> &Path {
+fn parent(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

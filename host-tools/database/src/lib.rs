@@ -33,7 +33,7 @@ pub mod table;
 mod trajectory;
 pub mod vtu;
 
-pub use atomic::{Staging, write as write_whole};
+pub use atomic::{Staging, followed, write as write_whole};
 pub use collection::Collection;
 pub use database::{Database, Entry};
 pub use description::{Description, Difference, Parameter};
