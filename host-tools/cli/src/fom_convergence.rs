@@ -42,7 +42,10 @@ pub fn run(options: &Options) -> Result<()> {
     if options.workers == 0 {
         bail!("--workers must be at least 1");
     }
-    let mut outputs = Outputs::default().file("--out", options.out.as_deref()).checked()?;
+    let mut outputs = Outputs::default()
+        .reads("--runs", options.runs.as_path())
+        .file("--out", options.out.as_deref())
+        .checked()?;
     let bar = progress::tasks(options.quiet);
     let report = convergence::study(
         &convergence::cases(),

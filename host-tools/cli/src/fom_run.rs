@@ -103,13 +103,9 @@ pub fn run(options: &Options) -> Result<()> {
         .file("--npz", options.npz.as_deref())
         .checked()?;
     let solver = Solver::new(options.solver.settings())?;
-    if let Some(there) = options
-        .out
-        .as_ref()
-        .map(|out| out.join(SNAPSHOTS))
-        .filter(|folder| folder.exists())
-    {
-        // A database that is there takes the run if it is of the same kind: say so before anything is computed.
+    let snapshots = options.out.as_ref().map(|out| out.join(SNAPSHOTS));
+    if let Some(there) = snapshots.filter(|folder| folder.join("database.json").exists()) {
+        // The database takes the run if it is of the same kind: say so before anything is computed.
         Database::create(&there, record::description(solver.settings())?, record::mesh(&solver))?;
     }
     let bar = progress::run(options.quiet);

@@ -20,7 +20,8 @@ pub fn parse(option: &str, text: &str, names: &[String]) -> Result<Vec<(usize, f
     }
     if !reader.readings.is_empty() {
         bail!(
-            "{option}: `{text}` can be read in several ways: put the names into quotes, as in {}=1; the parameters are {}",
+            "{option}: `{text}` can be read in several ways: put the names into quotes, as in {}=1; the parameters \
+             are {}",
             quoted(&names[reader.readings[0][0].0]),
             listed(names)
         );

@@ -18,8 +18,8 @@ pub struct Options {
     /// Model file to write [default: models/capsule.crom; with --from the path of the data with .crom added]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Truncation: root mean square error of the displacement that the modes may leave in a span of time, in l, with --from in its unit of
-    /// length [default: 1.2e-4 l; a five thousandth of the radius]
+    /// Truncation: root mean square error of the displacement that the modes may leave in a span of time, in l, with
+    /// --from in its unit of length [default: 1.2e-4 l; a five thousandth of the radius]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
     /// Truncation at the paper's larger ranks: 50 and 50, for displacement and velocity together

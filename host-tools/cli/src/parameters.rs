@@ -13,8 +13,8 @@ pub struct QueryOptions {
     /// Confinement a/l
     #[arg(long, allow_negative_numbers = true, required_unless_present = "parameters")]
     confinement: Option<f64>,
-    /// Parameters of a model of other people's data, by the names that it gives them; may be repeated, and a name may stand
-    /// in quotes as in CSV
+    /// Parameters of a model of other people's data, by the names that it gives them; may be repeated, and a name may
+    /// stand in quotes as in CSV
     #[arg(long, value_name = "NAME=VALUE,...", conflicts_with_all = ["ca", "confinement"])]
     parameters: Vec<String>,
 }

@@ -193,6 +193,25 @@ fn a_failed_run_leaves_nothing() {
 }
 
 #[test]
+fn runs_of_one_kind_share_a_folder() {
+    let root = tempfile::tempdir().unwrap();
+    let run = |ca: &str, mesh: u32| {
+        format!(
+            "fom run --ca {ca} --confinement 0.8 --mesh {mesh} --end-time 0.05 --json --out run --fields load --csv run/n.csv"
+        )
+    };
+    for ca in ["0.1", "0.2"] {
+        json(root.path(), run(ca, 2).split(' '));
+    }
+    let database = capsule_database::Database::open(&root.path().join("run/snapshots")).unwrap();
+    let entries = database.entries().unwrap();
+    let found: Vec<&[f64]> = entries.iter().map(|entry| &entry.parameters[..]).collect();
+    assert_eq!(found, [[0.1, 0.8], [0.2, 0.8]]);
+    assert!(root.path().join("run/n.csv").is_file() && root.path().join("run/capsule.pvd").is_file());
+    refused(root.path(), &run("0.3", 3), &["run/snapshots", "another kind", "mesh"]);
+}
+
+#[test]
 fn a_series_of_unordered_instants_is_rising() {
     let root = tempfile::tempdir().unwrap();
     let arguments = "--t 2,1,1.0,-0,0.5 --json --csv TABLE.CSV --vtu new/folder --plot PLOT.SVG --npz N.NPZ";

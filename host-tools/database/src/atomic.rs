@@ -98,8 +98,8 @@ impl Staging {
     /// Brings everything onto the disk and to its target.
     ///
     /// # Errors
-    /// [`DatabaseError::Io`] for what was not written to its place, for a file where a folder is or the other way round,
-    /// and when the system refuses. Nothing is renamed unless all is on the disk.
+    /// [`DatabaseError::Io`] for what was not written to its place, for a file where a folder is or the other way
+    /// round, and when the system refuses. Nothing is renamed unless all is on the disk.
     pub fn finish(self) -> Result<(), DatabaseError> {
         let files = self.files()?;
         for (place, target) in &files {
@@ -177,8 +177,8 @@ fn is_special(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-/// The absolute path without links and without `.` and `..`, as far as it is there: two paths of one file or folder agree
-/// in it, one that is yet to be made too.
+/// The absolute path without links and without `.` and `..`, as far as it is there. Two paths of one file or folder
+/// agree in it, also when that is yet to be made.
 #[must_use]
 pub fn followed(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());

@@ -215,6 +215,22 @@ mod tests {
     }
 
     #[test]
+    fn triangles_have_mid_edges_where_one_element_has() {
+        let mut mesh = octahedral(2);
+        assert_eq!(triangles(&mesh).dim(), (32, 6));
+        let flat = |[a, b, c, ..]: [u32; 6]| [a, b, c, a, b, c];
+        mesh.elements[1..]
+            .iter_mut()
+            .for_each(|element| *element = flat(*element));
+        assert_eq!(triangles(&mesh), rows(&mesh.elements));
+        mesh.elements[0] = flat(mesh.elements[0]);
+        assert_eq!(
+            triangles(&mesh),
+            rows(&mesh.elements.iter().map(|e| [e[0], e[1], e[2]]).collect::<Vec<_>>())
+        );
+    }
+
+    #[test]
     fn errors_name_the_array_and_the_shape() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("some.npz");

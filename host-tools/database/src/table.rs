@@ -57,7 +57,7 @@ mod tests {
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(&text[..]);
         assert_eq!(reader.headers().unwrap(), &heading[..]);
         let read: Vec<_> = reader.records().map(Result::unwrap).collect();
-        assert_eq!(read, rows);
+        assert!(read.iter().zip(rows).all(|(found, row)| *found == row[..]) && read.len() == 2);
     }
 
     #[test]

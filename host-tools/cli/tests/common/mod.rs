@@ -10,8 +10,8 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The triangles of an octahedron, counter-clockwise from outside. Each starts at another corner, so that any reordering
-/// would show.
+/// The triangles of an octahedron, counter-clockwise from outside. They start at different corners, so that any
+/// reordering would show.
 pub const ELEMENTS: [[i64; 3]; 8] = [
     [0, 2, 4],
     [4, 2, 1],
