@@ -154,3 +154,15 @@ pub enum Domain {
     /// Outside the sampled ranges.
     Outside,
 }
+
+impl Domain {
+    /// Its name in JSON and in JavaScript.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Inside => "inside",
+            Self::BeyondSteadyLimit => "beyond-steady-limit",
+            Self::FarFromSamples => "far-from-samples",
+            Self::Outside => "outside",
+        }
+    }
+}

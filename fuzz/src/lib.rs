@@ -109,8 +109,9 @@ fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
             assert!(all.iter().all(|number| number.is_finite()), "{found:?}");
         }
         assert!(instant.volume().map_or(true, f32::is_finite));
-        assert!(!instant.expected_error().is_nan());
-        assert!(!instant.error_bound().is_nan());
+        for number in [instant.expected_error(), instant.error_bound(), instant.centroid()] {
+            assert!(number.map_or(true, f32::is_finite));
+        }
         let mut points = vec![[0.0; 2]; 64];
         for name in [MIDPLANE, DIAGONAL] {
             if let Ok(count) = instant.outline(name, Frame::Laboratory, &mut points) {

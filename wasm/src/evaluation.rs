@@ -3,7 +3,7 @@
 use crate::model::Shared;
 use crate::section::curves;
 use capsule_core::{
-    Domain, EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_room,
+    EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_room,
 };
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -58,7 +58,7 @@ impl Evaluation {
     ///
     /// # Errors
     /// Parameters that the core refuses: outside the domain without `extrapolate`, not finite, too few or too many.
-    pub fn prepare(&mut self, parameters: &[f32], method: &str, extrapolate: bool) -> Result<String, JsError> {
+    pub fn prepare(&mut self, parameters: &[f64], method: &str, extrapolate: bool) -> Result<String, JsError> {
         let method = match method {
             "direct" => Method::Direct,
             "paper" => Method::Paper,
@@ -70,7 +70,8 @@ impl Evaluation {
         };
         let expected = self.shared.core().contents().metadata.parameters.len();
         let found = parameters.len();
-        let parameters = Parameters::new(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;
+        let parameters =
+            Parameters::from_doubles(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;
         self.query = Query {
             extrapolate,
             ..Query::new(parameters, method)
@@ -78,13 +79,7 @@ impl Evaluation {
         let model = self.shared.core();
         let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&self.query);
         let domain = prepared.map_err(|error| JsError::new(&error.named(model).to_string()))?;
-        Ok(match domain {
-            Domain::Inside => "inside",
-            Domain::BeyondSteadyLimit => "beyond-steady-limit",
-            Domain::FarFromSamples => "far-from-samples",
-            Domain::Outside => "outside",
-        }
-        .to_owned())
+        Ok(domain.name().to_owned())
     }
 
     /// Goes to an instant, in l/V; it takes effect when something is asked.
@@ -113,21 +108,25 @@ impl Evaluation {
         self.ask(|instant| instant.volume())
     }
 
-    /// Expected modified Hausdorff distance to the full-order model, laboratory frame, as a fraction of a.
+    /// Expected distance to the full-order model, laboratory frame, as a fraction of a. Outside the sampled domain it is a guess.
     #[wasm_bindgen(js_name = expectedError)]
     pub fn expected_error(&mut self) -> Result<f32, JsError> {
-        self.ask(|instant| Ok(instant.expected_error()))
+        self.ask(|instant| instant.expected_error())
     }
 
-    /// The bound that 95 % of the errors are below, like the expected error.
+    /// The bound that 95 % of the errors are below, like the expected error; undefined outside the sampled domain, where none is
+    /// calibrated.
     #[wasm_bindgen(js_name = errorBound)]
-    pub fn error_bound(&mut self) -> Result<f32, JsError> {
-        self.ask(|instant| Ok(instant.error_bound()))
+    pub fn error_bound(&mut self) -> Result<Option<f32>, JsError> {
+        self.ask(|instant| match instant.error_bound() {
+            Err(EvaluateError::NoBound) => Ok(None),
+            bound => bound.map(Some),
+        })
     }
 
     /// Axial position of the volume centroid in the laboratory frame, in l.
     pub fn centroid(&mut self) -> Result<f32, JsError> {
-        self.ask(|instant| Ok(instant.centroid()))
+        self.ask(|instant| instant.centroid())
     }
 
     /// An outline by name, from the front pole to the rear pole: x, r, x, r, ..., in l, laboratory frame.

@@ -80,6 +80,12 @@ impl Model {
         self.shared.core().contents().metadata.membrane_law.to_owned()
     }
 
+    /// Bending stiffness B of the full-order model, in G_s a^2; undefined where it is not known.
+    #[wasm_bindgen(getter, js_name = bendingStiffness)]
+    pub fn bending_stiffness(&self) -> Option<f64> {
+        self.shared.core().contents().metadata.bending_stiffness
+    }
+
     /// CRC-32 of the payload in hexadecimal: identifies the model.
     #[wasm_bindgen(getter)]
     pub fn digest(&self) -> String {
@@ -131,7 +137,7 @@ impl Model {
     pub fn drawn_length(&self) -> f64 {
         match self.shared.core().contents().mesh.reference {
             Reference::Sphere => 1.0,
-            Reference::Shape { radius } => radius,
+            Reference::Shape { radius, .. } => radius,
         }
     }
 
@@ -164,10 +170,15 @@ impl Model {
     /// Sampled parameters, one set after another. A sample that clusters share is given once.
     pub fn samples(&self) -> Vec<f64> {
         let mut samples: Vec<Vec<f64>> = Vec::new();
-        for cluster in &self.shared.core().contents().clusters {
+        let contents = self.shared.core().contents();
+        let ranges = &contents.metadata.parameters;
+        for cluster in &contents.clusters {
             let rows = MatrixView::new(&cluster.samples.parameters);
             for row in 0..rows.rows() {
-                let sample = (0..rows.columns()).map(|column| rows.get(row, column).into()).collect();
+                let columns = (0..rows.columns()).zip(ranges);
+                let sample = columns
+                    .map(|(column, range)| range.value(rows.get(row, column).into()))
+                    .collect();
                 if !samples.contains(&sample) {
                     samples.push(sample);
                 }

@@ -302,7 +302,7 @@ pub unsafe extern "C" fn capsule_v1_expected_error_at(
     // SAFETY: the caller keeps what the module says.
     unsafe {
         number(model, workspace, t, expected_error, error, |instant| {
-            Ok(instant.expected_error())
+            instant.expected_error()
         })
     }
 }
@@ -320,11 +320,7 @@ pub unsafe extern "C" fn capsule_v1_error_bound_at(
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
-    unsafe {
-        number(model, workspace, t, error_bound, error, |instant| {
-            Ok(instant.error_bound())
-        })
-    }
+    unsafe { number(model, workspace, t, error_bound, error, |instant| instant.error_bound()) }
 }
 
 /// Position of the centroid at the instant `t`, laboratory frame, in l.
@@ -340,7 +336,7 @@ pub unsafe extern "C" fn capsule_v1_centroid_at(
     error: *mut Error,
 ) -> Status {
     // SAFETY: the caller keeps what the module says.
-    unsafe { number(model, workspace, t, centroid, error, |instant| Ok(instant.centroid())) }
+    unsafe { number(model, workspace, t, centroid, error, |instant| instant.centroid()) }
 }
 
 /// Enclosed volume at the instant `t`, in l^3.

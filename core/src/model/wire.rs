@@ -340,6 +340,13 @@ pub struct Blob<'a> {
     pub data: &'a [u8],
 }
 
+impl Parameter<'_> {
+    /// The value of a scaled parameter.
+    pub fn value(&self, scaled: f64) -> f64 {
+        self.origin + self.scale * scaled
+    }
+}
+
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
     pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (14 + 3 * MAX_SPANS) * MAX_CLUSTERS;

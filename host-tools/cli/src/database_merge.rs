@@ -1,5 +1,6 @@
 //! `capsule-rom database merge`: the parts of a sweep as one database.
 
+use crate::outputs::Outputs;
 use crate::sweep::design::DesignOptions;
 use crate::sweep::queue::Queue;
 use anyhow::{Result, bail};
@@ -30,6 +31,12 @@ When a design is named, every configuration that a sweep over it computes must b
 not at all.";
 
 pub fn run(options: &Options) -> Result<()> {
+    Merge::check(&options.out)?;
+    let mut outputs = Outputs::default().folder("--out", options.out.as_path());
+    for part in &options.parts {
+        outputs = outputs.reads("DIR", part.as_path());
+    }
+    outputs.checked()?;
     let merge = Merge::gather(&options.parts)?;
     let entries: Vec<_> = merge.entries().cloned().collect();
     if options.design.is_given() {

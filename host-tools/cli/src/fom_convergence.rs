@@ -1,7 +1,9 @@
 //! `capsule-rom fom convergence`: the error of each numerical cause alone.
 
+use crate::outputs::Outputs;
 use crate::{print, progress};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
+use capsule_database::table;
 use capsule_validation::convergence::{self, Error, Report, Row};
 use clap::Args;
 use std::path::PathBuf;
@@ -40,6 +42,10 @@ pub fn run(options: &Options) -> Result<()> {
     if options.workers == 0 {
         bail!("--workers must be at least 1");
     }
+    let mut outputs = Outputs::default()
+        .reads("--runs", options.runs.as_path())
+        .file("--out", options.out.as_deref())
+        .checked()?;
     let bar = progress::tasks(options.quiet);
     let report = convergence::study(
         &convergence::cases(),
@@ -50,8 +56,11 @@ pub fn run(options: &Options) -> Result<()> {
     )?;
     bar.finish_and_clear();
     if let Some(file) = &options.out {
-        std::fs::write(file, csv(&report)).with_context(|| format!("could not write {}", file.display()))?;
+        let heading = HEADING.iter().chain(&["production", "status"]);
+        let text = table::csv(None, heading, report.rows.iter().map(record))?;
+        outputs.write(file, |file| std::fs::write(file, text))?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&report);
     }
@@ -75,21 +84,11 @@ const HEADING: [&str; 14] = [
     "wall_time_s",
 ];
 
-fn csv(report: &Report) -> String {
-    let mut text = HEADING.join(",") + ",production,status\n";
-    for row in &report.rows {
-        // A reason may hold commas and quotation marks.
-        let status = row.status.replace('"', "'");
-        text += &format!("{},{},\"{status}\"\n", cells(row).join(","), row.production);
-    }
-    text
-}
-
-fn cells(row: &Row) -> Vec<String> {
+fn record(row: &Row) -> Vec<String> {
     let mut cells = vec![
         row.ca.to_string(),
         row.confinement.to_string(),
-        row.cause.replace(',', ":"),
+        row.cause.to_owned(),
         row.value.clone(),
     ];
     cells.extend(errors(row.error.as_ref()));
@@ -97,6 +96,7 @@ fn cells(row: &Row) -> Vec<String> {
     cells.push(format!("{:.2}", row.t));
     cells.push(row.velocity_evaluations.to_string());
     cells.push(format!("{:.1}", row.wall_time_s));
+    cells.extend([row.production.to_string(), row.status.clone()]);
     cells
 }
 

@@ -1,5 +1,6 @@
 //! `capsule-rom fom integrators`: evaluations and time against error.
 
+use crate::outputs::Outputs;
 use crate::{print, progress};
 use anyhow::Result;
 use capsule_fom::{Configuration, Integrator, Settings};
@@ -49,6 +50,7 @@ The error is the greatest distance of a node, over a, from where the stabilised 
 the last instant.";
 
 pub fn run(options: &Options) -> Result<()> {
+    let mut outputs = Outputs::default().figure("--plot", options.plot.as_deref()).checked()?;
     let settings = Settings {
         mesh_frequency: options.mesh,
         end_time: options.end_time,
@@ -74,8 +76,9 @@ pub fn run(options: &Options) -> Result<()> {
     })?;
     bar.finish_and_clear();
     if let Some(file) = &options.plot {
-        plot(file, &rows)?;
+        outputs.write(file, |file| plot(file, &rows))?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&rows);
     }

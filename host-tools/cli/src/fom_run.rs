@@ -1,9 +1,11 @@
 //! `capsule-rom fom run`: one configuration of the full-order model.
 
 use crate::fields::{self, Field, Surface};
+use crate::outputs::Outputs;
 use crate::solver_options::SolverOptions;
 use crate::{interrupt, print, progress, record};
 use anyhow::{Result, bail};
+use capsule_database::fields::{write_csv, write_npz};
 use capsule_database::{Database, vtu};
 use capsule_fom::{Configuration, Film, Outcome, Solver, Status};
 use clap::Args;
@@ -47,6 +49,9 @@ Examples:
   capsule-rom fom run --ca 0.10 --confinement 0.90 --mesh 13 --json > run.json
   capsule-rom fom run --ca 0.05 --confinement 1.00 --integrator ralston --step 5e-4 --out run/
   capsule-rom fom run --ca 0.10 --confinement 0.90 --fields tension,load,energy --npz fields.npz --out run/";
+
+/// The database's folder in that of --out.
+const SNAPSHOTS: &str = "snapshots";
 
 #[derive(Serialize)]
 struct Run<'a> {
@@ -92,7 +97,17 @@ pub fn run(options: &Options) -> Result<()> {
         confinement: options.confinement,
     };
     configuration.validate()?;
+    let outputs = Outputs::default()
+        .folder("--out", options.out.as_deref())
+        .file("--csv", options.csv.as_deref())
+        .file("--npz", options.npz.as_deref())
+        .checked()?;
     let solver = Solver::new(options.solver.settings())?;
+    let snapshots = options.out.as_ref().map(|out| out.join(SNAPSHOTS));
+    if let Some(there) = snapshots.filter(|folder| folder.join("database.json").exists()) {
+        // The database takes the run if it is of the same kind: say so before anything is computed.
+        Database::create(&there, record::description(solver.settings())?, record::mesh(&solver))?;
+    }
     let bar = progress::run(options.quiet);
     let outcome = solver.run(&configuration, &mut |now| {
         progress::show_run(&bar, now);
@@ -111,7 +126,7 @@ pub fn run(options: &Options) -> Result<()> {
         eprintln!("warning: {warning}");
     }
     let (surfaces, mechanics) = fields::of_run(&options.fields, &solver, &outcome)?;
-    write(options, &solver, &outcome, &surfaces)?;
+    write(outputs, options, &solver, &outcome, &surfaces)?;
     if options.json {
         return print::json(&summary(options, &solver, &outcome, mechanics));
     }
@@ -212,7 +227,13 @@ fn report(outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-fn write(options: &Options, solver: &Solver, outcome: &Outcome, surfaces: &[Surface]) -> Result<()> {
+fn write(
+    mut outputs: Outputs,
+    options: &Options,
+    solver: &Solver,
+    outcome: &Outcome,
+    surfaces: &[Surface],
+) -> Result<()> {
     let mesh = record::mesh(solver);
     let instants: Vec<_> = surfaces.iter().map(Surface::instant).collect();
     if let Some(file) = &options.csv {
@@ -220,20 +241,18 @@ fn write(options: &Options, solver: &Solver, outcome: &Outcome, surfaces: &[Surf
             "capsule-rom fom run; Ca = {}; a/l = {}",
             options.ca, options.confinement
         );
-        capsule_database::fields::write_csv(file, &title, &instants)?;
+        outputs.write(file, |file| write_csv(file, &title, &instants))?;
     }
     if let Some(file) = &options.npz {
-        capsule_database::fields::write_npz(file, &mesh, &instants)?;
+        outputs.write(file, |file| write_npz(file, &mesh, &instants))?;
     }
-    let Some(folder) = &options.out else {
-        return Ok(());
-    };
-    let mut series = vtu::Series::create(folder, "capsule")?;
-    for instant in &instants {
-        series.add(instant.time, &mesh, instant.positions, &instant.data)?;
+    if let Some(folder) = &options.out {
+        let description = record::description(solver.settings())?;
+        outputs.write_into(folder, |folder| {
+            vtu::Series::write(folder, "capsule", &mesh, &instants)?;
+            let snapshots = Database::create(&folder.join(SNAPSHOTS), description, mesh.clone())?;
+            Ok(snapshots.write(&record::trajectory(outcome))?)
+        })?;
     }
-    series.finish()?;
-    let description = record::description(solver.settings())?;
-    Database::create(&folder.join("snapshots"), description, mesh)?.write(&record::trajectory(outcome))?;
-    Ok(())
+    outputs.finish()
 }

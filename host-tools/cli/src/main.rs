@@ -9,9 +9,12 @@ mod fom_run;
 mod fom_shear;
 mod fom_validate;
 mod interrupt;
+mod membrane;
 mod model;
+mod names;
 mod offline_build;
 mod outlines;
+mod outputs;
 mod parameters;
 mod predict;
 mod print;
@@ -29,6 +32,7 @@ mod study_speed;
 mod study_stability;
 mod subject;
 mod sweep;
+mod validity;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -158,14 +162,17 @@ fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", describe(&error));
-            ExitCode::FAILURE
-        }
+        Err(error) => match error.downcast::<clap::Error>() {
+            Ok(usage) => usage.exit(),
+            Err(error) => {
+                eprintln!("error: {}", describe(&error));
+                ExitCode::FAILURE
+            }
+        },
     }
 }
 
-/// The error and its causes, without what a message already repeats of its cause.
+/// The error and its causes in one line, without what a message already repeats of its cause.
 fn describe(error: &anyhow::Error) -> String {
     error
         .chain()
@@ -179,4 +186,5 @@ fn describe(error: &anyhow::Error) -> String {
                 format!("{text}: {cause}")
             }
         })
+        .replace(['\r', '\n'], " ")
 }

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use capsule_core::Model;
 use clap::Args;
 use std::borrow::Cow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Keeps the embedded file on the boundary on which its matrices are read in place.
 #[repr(C, align(16))]
@@ -21,6 +21,11 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// The user's file.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
     /// The bytes of the file, or of the shipped model.
     pub fn read(&self) -> Result<Cow<'static, [u8]>> {
         match &self.path {

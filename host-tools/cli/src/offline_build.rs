@@ -1,12 +1,12 @@
 //! `capsule-rom offline build`: from a snapshot database or other people's data to a model file.
 
+use crate::outputs::Outputs;
 use crate::source::SourceOptions;
 use crate::{print, progress};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use capsule_offline::{BuildReport, Spectrum, Truncation, one_minus_ric};
 use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 use clap::Args;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -15,11 +15,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 pub struct Options {
     #[command(flatten)]
     source: SourceOptions,
-    /// Model file to write [default: models/capsule.crom; beside the data of --from, as .crom]
+    /// Model file to write [default: models/capsule.crom; with --from the path of the data with .crom added]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Truncation: root mean square error of the displacement that the modes may leave in a span of time, in l, with --from in its unit of
-    /// length [default: 1.2e-4 l; a five thousandth of the radius]
+    /// Truncation: root mean square error of the displacement that the modes may leave in a span of time, in l, with
+    /// --from in its unit of length [default: 1.2e-4 l; a five thousandth of the radius]
     #[arg(long, conflicts_with = "paper_ranks")]
     tolerance: Option<f64>,
     /// Truncation at the paper's larger ranks: 50 and 50, for displacement and velocity together
@@ -47,6 +47,14 @@ Examples:
 Other people's data: see docs/own-data.md.";
 
 pub fn run(options: &Options) -> Result<()> {
+    let out = match (&options.out, &options.source.from) {
+        (Some(out), _) => out.clone(),
+        (None, Some(from)) => beside(from),
+        (None, None) => PathBuf::from("models/capsule.crom"),
+    };
+    let outputs = options.source.reads(Outputs::default());
+    let outputs = outputs.file("--out", out.as_path());
+    let mut outputs = outputs.folder("--plots", options.plots.as_deref()).checked()?;
     let (snapshots, mut settings) = options.source.open()?;
     settings.created_unix_s = now();
     if let Some(tolerance) = options.tolerance {
@@ -60,15 +68,11 @@ pub fn run(options: &Options) -> Result<()> {
         progress::show(&bar, task, done, of)
     })?;
     bar.finish_and_clear();
-    let out = match (&options.out, &options.source.from) {
-        (Some(out), _) => out.clone(),
-        (None, Some(from)) => from.with_extension("crom"),
-        (None, None) => PathBuf::from("models/capsule.crom"),
-    };
-    write(&out, &bytes)?;
+    outputs.write(&out, |file| std::fs::write(file, &bytes))?;
     if let Some(folder) = &options.plots {
-        plot(folder, &report.spectra)?;
+        outputs.write_into(folder, |folder| plot(folder, &report.spectra))?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&report);
     }
@@ -91,23 +95,14 @@ fn now() -> u32 {
     fixed.or_else(seconds).unwrap_or_default()
 }
 
-/// Replaces the file whole or not at all.
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    let mut file = builder
-        .tempfile_in(folder)
-        .with_context(|| format!("could not write into the folder {}", folder.display()))?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path)
-        .with_context(|| format!("could not write {}", path.display()))?;
-    Ok(())
+/// The model beside the data: their name with `.crom` added, which keeps `Ca0.05` and `Ca0.1` apart.
+fn beside(from: &Path) -> PathBuf {
+    // The path of `.` or `..` has no name.
+    let named = from.file_name().map(|_| from.to_path_buf());
+    let from = named.or_else(|| from.canonicalize().ok()).unwrap_or_default();
+    let mut name = from.file_name().unwrap_or_default().to_owned();
+    name.push(".crom");
+    from.with_file_name(name)
 }
 
 fn tell(report: &BuildReport, out: &Path) -> Result<()> {
@@ -226,7 +221,6 @@ fn spectrum_row(spectrum: &Spectrum) -> Vec<String> {
 
 /// Figures 8 and 9 of the paper: 1 - RIC (eq. 50) and the singular values (eq. 51), parameter modes and space modes.
 fn plot(folder: &Path, spectra: &[Spectrum]) -> Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("could not create {}", folder.display()))?;
     let panel = |title: &str, kind: char, y: &str, of: &dyn Fn(&[f64]) -> Vec<f64>| {
         let axes = Lines::new(title, Axis::linear("truncation rank K"), Axis::logarithmic(y));
         let shown = spectra.iter().filter(|spectrum| spectrum.matrix.starts_with(kind));

@@ -1,7 +1,7 @@
 //! The two section outlines as a plot.
 
 use anyhow::{Context, Result};
-use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE};
+use capsule_core::{DIAGONAL, Evaluator, Frame, MIDPLANE, Real};
 use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 use std::path::Path;
 
@@ -9,7 +9,13 @@ use std::path::Path;
 const LONGEST_OUTLINE: usize = 1024;
 
 /// Plots both sections at these instants, in the laboratory frame; `query` says in words what is shown.
-pub fn plot(file: &Path, evaluator: &mut Evaluator<'_, f32>, times: &[f32], query: &str, length: &str) -> Result<()> {
+pub fn plot<T: Real>(
+    file: &Path,
+    evaluator: &mut Evaluator<'_, T>,
+    times: &[T],
+    query: &str,
+    length: &str,
+) -> Result<()> {
     let mut section = |set: &str, title: &str, label: &str| -> Result<Panel> {
         let title = format!("{title}, {query}");
         let [x, r] = ["x", label].map(|name| Axis::linear(&format!("{name} / {length}")));
@@ -28,10 +34,10 @@ pub fn plot(file: &Path, evaluator: &mut Evaluator<'_, f32>, times: &[f32], quer
 }
 
 /// The closed outline: front to rear on one side, back on the other.
-fn outline(evaluator: &mut Evaluator<'_, f32>, set: &str, t: f32) -> Result<Vec<(f64, f64)>> {
-    let mut points = [[0.0; 2]; LONGEST_OUTLINE];
+fn outline<T: Real>(evaluator: &mut Evaluator<'_, T>, set: &str, t: T) -> Result<Vec<(f64, f64)>> {
+    let mut points = [[T::ZERO; 2]; LONGEST_OUTLINE];
     let found = evaluator.at(t)?.outline(set, Frame::Laboratory, &mut points);
     let count = found.with_context(|| format!("outline `{set}` cannot be plotted"))?;
-    let side = points[..count].iter().map(|&[x, r]| (f64::from(x), f64::from(r)));
+    let side = points[..count].iter().map(|&[x, r]| (x.to_f64(), r.to_f64()));
     Ok(side.clone().chain(side.rev().map(|(x, r)| (x, -r))).collect())
 }

@@ -1,7 +1,8 @@
 //! Where the snapshots for a model come from: our database, or other people's data.
 
-use crate::parameters::Named;
-use anyhow::{Context, Result};
+use crate::names;
+use crate::outputs::Outputs;
+use anyhow::{Result, bail, ensure};
 use capsule_database::{Collection, Database};
 use capsule_offline::{Settings, Source, Split};
 use clap::Args;
@@ -15,9 +16,10 @@ pub struct SourceOptions {
     /// Other people's data instead: a .npz or .h5 file, or a folder of VTU series with parameters.csv
     #[arg(long, value_name = "PATH", conflicts_with = "database")]
     pub from: Option<PathBuf>,
-    /// Split the domain of --from where the solution has a kink or a jump: samples there belong to both parts
+    /// Split the domain of --from where the solution has a kink or a jump: samples there belong to both parts. The name
+    /// may stand in quotes as in CSV
     #[arg(long, value_name = "NAME=VALUE", requires = "from")]
-    split: Option<Named>,
+    split: Option<String>,
 }
 
 /// Snapshots in memory or on the disk.
@@ -26,7 +28,18 @@ pub enum Snapshots {
     Collection(Collection),
 }
 
+/// Shares of a parameter's range that are closer than this are the same.
+const CLOSE: f64 = 1e-9;
+
 impl SourceOptions {
+    /// What is read, as the checks of outputs need it.
+    pub fn reads(&self, outputs: Outputs) -> Outputs {
+        match &self.from {
+            Some(from) => outputs.reads("--from", from.as_path()),
+            None => outputs.reads("--database", self.database.as_path()),
+        }
+    }
+
     /// Opens the snapshots; the settings are those that suit them.
     pub fn open(&self) -> Result<(Snapshots, Settings)> {
         let Some(path) = &self.from else {
@@ -36,17 +49,30 @@ impl SourceOptions {
         let (collection, notes) = Collection::read(path)?;
         notes.iter().for_each(|note| eprintln!("warning: {note}"));
         let mut settings = Settings::of_collection(&collection)?;
-        if let Some(Named { name, value }) = &self.split {
-            let names = &collection.parameter_names;
-            let parameter = names.iter().position(|known| known == name);
-            settings.split = Some(Split {
-                parameter: parameter
-                    .with_context(|| format!("no parameter `{name}`: the parameters are {}", names.join(", ")))?,
-                value: *value,
-            });
+        if let Some(text) = &self.split {
+            settings.split = Some(split(text, &collection)?);
         }
         Ok((Snapshots::Collection(collection), settings))
     }
+}
+
+/// The split that `NAME=VALUE` asks for, between samples of the collection.
+fn split(text: &str, collection: &Collection) -> Result<Split> {
+    let names = &collection.parameter_names;
+    let [(parameter, value)] = names::parse("--split", text, names)?[..] else {
+        bail!("--split {text}: expected one NAME=VALUE");
+    };
+    let values = collection.parameters.iter().map(|row| row[parameter]);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    let margin = CLOSE * (high - low);
+    ensure!(
+        low + margin < value && value < high - margin,
+        "--split {text} separates no samples: `{}` runs from {low} to {high}, and the split must lie between",
+        names[parameter]
+    );
+    Ok(Split { parameter, value })
 }
 
 impl Snapshots {

@@ -1,8 +1,9 @@
 //! `capsule-rom study fresh`: the model against configurations that no sample shares.
 
 use crate::model::ModelFile;
+use crate::outputs::Outputs;
 use crate::{print, progress};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use capsule_database::Database;
 use capsule_study::{InstantErrors, InstantStated};
 use clap::Args;
@@ -42,6 +43,11 @@ the shape alone (in the frame of the centroid), at the configurations of a test 
 them what the model itself states: the expected error, and the bound that 95 % of the errors should stay below.";
 
 pub fn run(options: &Options) -> Result<()> {
+    let inputs = Outputs::default()
+        .reads("--model", options.model.path())
+        .reads("--tests", options.tests.as_path())
+        .reads("--samples", options.samples.as_deref());
+    let mut outputs = inputs.file("--csv", options.csv.as_deref()).checked()?;
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
     let tests = Database::open(&options.tests)?;
@@ -52,8 +58,10 @@ pub fn run(options: &Options) -> Result<()> {
     })?;
     bar.finish_and_clear();
     if let Some(file) = &options.csv {
-        std::fs::write(file, fresh.csv()).with_context(|| format!("could not write {}", file.display()))?;
+        let text = fresh.csv()?;
+        outputs.write(file, |file| std::fs::write(file, text))?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&fresh);
     }

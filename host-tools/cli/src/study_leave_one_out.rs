@@ -1,8 +1,9 @@
 //! `capsule-rom study leave-one-out`: each sample predicted from all the others.
 
+use crate::outputs::Outputs;
 use crate::source::SourceOptions;
 use crate::{print, progress};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use capsule_offline::Settings;
 use capsule_plot::{Cells, Figure, Panel};
 use capsule_study::Report;
@@ -51,6 +52,9 @@ the shape alone (in the frame of the centroid). The whole model is built anew wi
 samples in the domain that the model answers for; those around it take part, but are not counted.";
 
 pub fn run(options: &Options) -> Result<()> {
+    let outputs = options.source.reads(Outputs::default());
+    let outputs = outputs.file("--csv", options.csv.as_deref());
+    let mut outputs = outputs.folder("--plots", options.plots.as_deref()).checked()?;
     let (snapshots, mut settings) = options.source.open()?;
     let bar = progress::tasks(options.quiet);
     if let Samples::Paper = options.design {
@@ -61,11 +65,13 @@ pub fn run(options: &Options) -> Result<()> {
     })?;
     bar.finish_and_clear();
     if let Some(file) = &options.csv {
-        std::fs::write(file, report.csv()).with_context(|| format!("could not write {}", file.display()))?;
+        let text = report.csv()?;
+        outputs.write(file, |file| std::fs::write(file, text))?;
     }
     if let Some(folder) = &options.plots {
-        plot(folder, &report)?;
+        outputs.write_into(folder, |folder| plot(folder, &report))?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&report);
     }
@@ -109,7 +115,6 @@ fn plot(folder: &Path, report: &Report) -> Result<()> {
     };
     let (x, y) = (label(x), label(y));
     let size = cell_size(report);
-    std::fs::create_dir_all(folder).with_context(|| format!("could not create {}", folder.display()))?;
     for (method, samples) in &report.values {
         for frame in ["lab", "shape"] {
             let panels = report.methods[method].iter().enumerate().map(|(i, instant)| {

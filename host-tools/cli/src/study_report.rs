@@ -1,5 +1,6 @@
 //! `capsule-rom study report`: everything on one page.
 
+use crate::outputs::Outputs;
 use crate::progress;
 use crate::subject::SubjectOptions;
 use anyhow::Result;
@@ -27,12 +28,16 @@ Examples:
 Writes index.html, which needs no network, and the numbers of each of its figures as CSV.";
 
 pub fn run(options: &Options) -> Result<()> {
+    let outputs = options.subject.reads(Outputs::default());
+    let mut outputs = outputs.folder("--out", options.out.as_path()).checked()?;
     let files = options.subject.open()?;
     let bar = progress::tasks(options.quiet);
-    capsule_study::report(&files.subject(), &options.out, &|task, done, of| {
-        progress::show(&bar, task, done, of)
+    outputs.write_into(&options.out, |folder| {
+        let progress = |task: &str, done, of| progress::show(&bar, task, done, of);
+        Ok(capsule_study::report(&files.subject(), folder, &progress)?)
     })?;
     bar.finish_and_clear();
+    outputs.finish()?;
     println!("{}", options.out.join("index.html").display());
     Ok(())
 }

@@ -1,9 +1,10 @@
 //! `capsule-rom study sample`: which configurations to compute next.
 
 use crate::model::ModelFile;
+use crate::outputs::Outputs;
 use crate::{print, progress};
-use anyhow::{Context, Result};
-use capsule_database::Database;
+use anyhow::Result;
+use capsule_database::{Database, table};
 use capsule_study::sample::{Replayed, Suggestion, replay, suggest};
 use clap::Args;
 use serde::Serialize;
@@ -21,7 +22,7 @@ pub struct Options {
     #[arg(long, default_value_t = 8.0, value_name = "T")]
     until: f64,
     /// Write the suggestions as CSV, for `fom sweep --points`
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     csv: Option<PathBuf>,
     /// Choose a design of this size anew out of --database and compare it with the paper's grid on --tests
     #[arg(long, value_name = "SAMPLES")]
@@ -67,6 +68,8 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(most) = options.replay {
         return run_replay(options, most);
     }
+    let inputs = Outputs::default().reads("--model", options.model.path());
+    let mut outputs = inputs.file("--csv", options.csv.as_deref()).checked()?;
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
     let suggestions = suggest(&model, options.count, options.until)?;
@@ -80,10 +83,10 @@ pub fn run(options: &Options) -> Result<()> {
     };
     let rows: Vec<Vec<String>> = suggestions.iter().map(row).collect();
     if let Some(file) = &options.csv {
-        let lines = std::iter::once(headings.join(",")).chain(rows.iter().map(|row| row.join(",")));
-        let text: String = lines.map(|line| line + "\n").collect();
-        std::fs::write(file, text).with_context(|| format!("could not write {}", file.display()))?;
+        let text = table::csv(None, &headings, &rows)?;
+        outputs.write(file, |file| std::fs::write(file, text))?;
     }
+    outputs.finish()?;
     if options.json {
         return print::json(&Suggestions { suggestions });
     }

@@ -1,5 +1,6 @@
 //! `capsule-rom study stability`: where the methods stop to be accurate, and whether they say so.
 
+use crate::outputs::Outputs;
 use crate::subject::SubjectOptions;
 use crate::{print, progress};
 use anyhow::{Context, Result, bail};
@@ -34,6 +35,8 @@ model does not contain; a failure is no answer, or one that is wrong by more tha
 question was answered wrongly instead of being refused.";
 
 pub fn run(options: &Options) -> Result<()> {
+    let outputs = options.subject.reads(Outputs::default());
+    let mut outputs = outputs.folder("--plots", options.plots.as_deref()).checked()?;
     let files = options.subject.open()?;
     let bar = progress::tasks(options.quiet);
     let folder = tempfile::tempdir().context("could not create a temporary folder")?;
@@ -43,8 +46,9 @@ pub fn run(options: &Options) -> Result<()> {
     bar.finish_and_clear();
     drop(folder);
     if let Some(folder) = &options.plots {
-        plot(folder, &found)?;
+        outputs.write_into(folder, |folder| plot(folder, &found))?;
     }
+    outputs.finish()?;
     if options.json {
         print::json(&found)?;
     } else {
@@ -59,7 +63,6 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// A file a panel.
 fn plot(folder: &Path, found: &Stability) -> Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("could not create {}", folder.display()))?;
     for (name, panel) in panels(found) {
         Figure::new(vec![panel]).save(&folder.join(format!("stability_{name}.svg")))?;
     }

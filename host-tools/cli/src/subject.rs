@@ -1,6 +1,7 @@
 //! What the studies of stability and of the report are about: options that both have.
 
 use crate::model::ModelFile;
+use crate::outputs::Outputs;
 use anyhow::Result;
 use capsule_database::Database;
 use capsule_study::stability::Subject;
@@ -32,6 +33,14 @@ pub struct Files {
 }
 
 impl SubjectOptions {
+    /// What is read, as the checks of outputs need it.
+    pub fn reads(&self, outputs: Outputs) -> Outputs {
+        outputs
+            .reads("--model", self.model.path())
+            .reads("--database", self.database.as_path())
+            .reads("--fresh", self.fresh.as_path())
+    }
+
     /// Opens them.
     pub fn open(&self) -> Result<Files> {
         Ok(Files {

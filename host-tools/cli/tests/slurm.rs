@@ -172,6 +172,8 @@ fn a_job_array_makes_the_database_of_one_sweep() {
     let submit = || {
         let mut command = slurm.client("sh");
         command.arg(&script).args(SETTINGS.split_whitespace());
+        // As in an interactive allocation, here within an array of another program.
+        command.env("SLURM_JOB_ID", "7").env("SLURM_ARRAY_TASK_ID", "9");
         command
             .env("PARTS", "2")
             .env("DESIGN", DESIGN)

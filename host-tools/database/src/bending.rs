@@ -5,12 +5,12 @@
 
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use crate::{Database, DatabaseError, atomic};
+use crate::{Database, DatabaseError, atomic, table};
 
 /// One configuration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct BendingEffect {
     /// Ca.
     pub capillary_number: f64,
@@ -66,16 +66,49 @@ impl Database {
     /// # Errors
     /// [`DatabaseError::Io`].
     pub fn write_bending_effect(&self, rows: &[BendingEffect]) -> Result<(), DatabaseError> {
-        let path = self.bending_file();
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in rows {
-            writer
-                .serialize(row)
-                .map_err(|error| DatabaseError::io("write", &path)(error.into()))?;
+        let row = |row: &BendingEffect| {
+            let numbers = [row.capillary_number, row.confinement, row.distance];
+            numbers.map(|number| format!("{number:.6}"))
+        };
+        let heading = ["capillary_number", "confinement", "distance"];
+        atomic::write(&self.bending_file(), &table::csv(None, heading, rows.iter().map(row))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Description, Mesh};
+
+    #[test]
+    fn the_effect_is_read_as_it_was_written_and_a_bad_row_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let nodes = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+            .map(|node| node.map(f64::from))
+            .to_vec();
+        let elements = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+            .map(|[a, b, c]| [a, b, c, a, b, c])
+            .to_vec();
+        let description = Description::new(vec![0.0, 1.0], serde_json::Value::Null);
+        let database = Database::create(folder.path(), description, Mesh { nodes, elements }).unwrap();
+        assert_eq!(database.bending_effect().unwrap(), []);
+        let row = |capillary_number, distance| BendingEffect {
+            capillary_number,
+            confinement: 0.9,
+            distance,
+        };
+        let rows = [row(0.005, 0.015), row(0.1, 0.001)];
+        database.write_bending_effect(&rows).unwrap();
+        assert_eq!(database.bending_effect().unwrap(), rows);
+        let file = folder.path().join("bending.csv");
+        for bad in ["0.1,0.9", "0.1,0.9,x", "0.1,0.9,-1", "0.1,0.9,nan"] {
+            std::fs::write(
+                &file,
+                format!("capillary_number,confinement,distance\n0.1,0.9,0.01\n{bad}\n"),
+            )
+            .unwrap();
+            let error = database.bending_effect().unwrap_err();
+            assert!(matches!(error, DatabaseError::BadRow { row: 2, .. }), "{bad}: {error}");
         }
-        let bytes = writer
-            .into_inner()
-            .map_err(|error| DatabaseError::io("write", &path)(error.into_error()))?;
-        atomic::write(&path, &bytes)
     }
 }

@@ -1,14 +1,13 @@
 //! Quantities at the nodes at chosen instants: a table for any program (CSV), arrays for NumPy (NPZ).
 
-use std::fmt::Write;
 use std::path::Path;
 
 use ndarray::{Array1, Array2, Array3};
 
 use crate::error::{finite, length};
-use crate::npz::{Writer, rows};
+use crate::npz::{Writer, rows, triangles};
 use crate::vtu::PointData;
-use crate::{DatabaseError, Mesh, atomic};
+use crate::{DatabaseError, Mesh, atomic, table};
 
 /// The nodes at an instant.
 #[derive(Debug, Clone)]
@@ -43,34 +42,34 @@ impl Instant<'_> {
 /// [`DatabaseError::WrongLength`] or [`DatabaseError::NotFinite`] for values that do not fit the first instant's nodes,
 /// [`DatabaseError::Io`] when the file cannot be written.
 pub fn write_csv(path: &Path, title: &str, instants: &[Instant]) -> Result<(), DatabaseError> {
-    let mut text = format!("# {title}\nt,node,x,y,z");
     let nodes = instants.first().map_or(0, |instant| instant.positions.len());
+    let mut heading = ["t", "node", "x", "y", "z"].map(str::to_owned).to_vec();
     for quantity in instants.iter().take(1).flat_map(|instant| &instant.data) {
         match quantity.parts() {
-            (name, 1, _) => text += &format!(",{name}"),
-            (name, ..) => text += &format!(",{name}_x,{name}_y,{name}_z"),
+            (name, 1, _) => heading.push(name.to_owned()),
+            (name, ..) => heading.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}"))),
         }
     }
-    text.push('\n');
     for instant in instants {
         instant.validate(nodes, &instants[0])?;
-        for (node, position) in instant.positions.iter().enumerate() {
-            let _ = write!(text, "{},{node}", instant.time);
-            let values = instant.data.iter().flat_map(|quantity| {
-                let (_, components, values) = quantity.parts();
-                &values[node * components..(node + 1) * components]
-            });
-            for value in position.iter().chain(values) {
-                let _ = write!(text, ",{value}");
-            }
-            text.push('\n');
-        }
     }
-    atomic::write(path, text.as_bytes())
+    let row = |instant: &Instant, node: usize| {
+        let values = instant.data.iter().flat_map(|quantity| {
+            let (_, components, values) = quantity.parts();
+            &values[node * components..(node + 1) * components]
+        });
+        let numbers = instant.positions[node].iter().chain(values).map(f64::to_string);
+        let row = [instant.time.to_string(), node.to_string()].into_iter().chain(numbers);
+        row.collect::<Vec<_>>()
+    };
+    let rows = instants
+        .iter()
+        .flat_map(|instant| (0..nodes).map(move |node| row(instant, node)));
+    atomic::write(path, &table::csv(Some(title), heading, rows)?)
 }
 
 /// Writes arrays: `times` (N_t,), `positions` (N_t, N_x, 3), each quantity as (N_t, N_x) or (N_t, N_x, 3), the mesh as
-/// `nodes` (N_x, 3) and `elements` (N_e, 6).
+/// `nodes` (N_x, 3) and `elements` (N_e, 6), or (N_e, 3) when all are flat.
 ///
 /// # Errors
 /// As [`write_csv`].
@@ -95,7 +94,7 @@ pub fn write_npz(path: &Path, mesh: &Mesh, instants: &[Instant]) -> Result<(), D
         }
     }
     writer.add("nodes", &rows(&mesh.nodes))?;
-    writer.add("elements", &rows(&mesh.elements))?;
+    writer.add("elements", &triangles(mesh))?;
     writer.finish()
 }
 

@@ -12,7 +12,8 @@
 //! of the square is found in it and only one sector of the nodes is kept ([`Symmetry`]), and the numbers are predicted
 //! from their past and kept as small integers ([`compact`]). The files are plain NPZ, which NumPy opens.
 //!
-//! [`vtu`] writes for ParaView, [`export_npz`] plain arrays for NumPy, [`fields`] quantities at the nodes.
+//! [`vtu`] writes for ParaView, [`export_npz`] plain arrays for NumPy, [`fields`] quantities at the nodes, [`table`]
+//! other tables. What belongs together appears together: [`Staging`].
 //!
 //! Lengths are in l (half the duct's side), velocities in V, times in l/V.
 
@@ -30,10 +31,11 @@ mod mesh_file;
 mod npz;
 mod predictor;
 mod symmetry;
+pub mod table;
 mod trajectory;
 pub mod vtu;
 
-pub use atomic::write as write_whole;
+pub use atomic::{Staging, followed, write as write_whole};
 pub use bending::BendingEffect;
 pub use collection::Collection;
 pub use database::{Database, Entry};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::{Database, DatabaseError, Entry, atomic};
+use crate::{Database, DatabaseError, Entry, Staging};
 
 /// The parts of a database, checked to belong together, before they are written.
 #[derive(Debug)]
@@ -72,44 +72,36 @@ impl Merge {
         self.repeated
     }
 
+    /// Checks that a database can be made in `directory`: it must not exist or be empty.
+    ///
+    /// # Errors
+    /// [`DatabaseError::Occupied`]
+    pub fn check(directory: &Path) -> Result<(), DatabaseError> {
+        let path = directory.to_path_buf();
+        match std::fs::read_dir(directory).is_ok_and(|mut content| content.next().is_some()) {
+            true => Err(DatabaseError::Occupied { path }),
+            false => Ok(()),
+        }
+    }
+
     /// Writes the database to `directory`, which must not exist or be empty: whole or not at all.
     ///
     /// # Errors
     /// [`DatabaseError::Occupied`], or [`DatabaseError::Io`] when it cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), DatabaseError> {
-        if std::fs::read_dir(directory).is_ok_and(|mut content| content.next().is_some()) {
-            let path = directory.to_path_buf();
-            return Err(DatabaseError::Occupied { path });
-        }
-        let parent = match directory.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let failed = || DatabaseError::io("create", directory);
-        std::fs::create_dir_all(parent).map_err(failed())?;
-        let whole = tempfile::Builder::new()
-            .prefix(".tmp")
-            .tempdir_in(parent)
-            .map_err(failed())?;
+        Self::check(directory)?;
+        // An empty directory makes way, so that the whole appears by one renaming.
+        let _ = std::fs::remove_dir(directory);
+        let mut staging = Staging::default();
+        let whole = staging.place(directory)?;
+        std::fs::create_dir(&whole).map_err(DatabaseError::io("create", directory))?;
         let common = ["mesh.npz", "database.json"].map(|file| (file, 0));
         let files = self.entries.iter().map(|(file, (_, part))| (file.as_str(), *part));
         for (file, part) in files.chain(common) {
-            atomic::write(
-                &whole.path().join(file),
-                &bytes(&self.parts[part].directory().join(file))?,
-            )?;
+            let bytes = bytes(&self.parts[part].directory().join(file))?;
+            std::fs::write(whole.join(file), bytes).map_err(DatabaseError::io("write", directory))?;
         }
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // A temporary directory is private by default; a result is as readable as the parts are.
-            let like = std::fs::metadata(self.parts[0].directory())
-                .map_err(failed())?
-                .permissions();
-            std::fs::set_permissions(whole.path(), std::fs::Permissions::from_mode(like.mode())).map_err(failed())?;
-        }
-        std::fs::rename(whole.path(), directory).map_err(failed())?;
-        atomic::sync(parent)
+        staging.finish()
     }
 }
 

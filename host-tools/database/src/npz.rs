@@ -164,8 +164,14 @@ pub(crate) fn rows<T: Clone, const K: usize>(rows: &[[T; K]]) -> Array2<T> {
     Array2::from_shape_fn((rows.len(), K), |(i, k)| rows[i][k].clone())
 }
 
+/// The elements as other programs take them: without mid-edges, an `(N_e, 3)` array, when all are flat.
+pub(crate) fn triangles(mesh: &Mesh) -> Array2<u32> {
+    let nodes = if mesh.elements.iter().all(Mesh::is_flat) { 3 } else { 6 };
+    Array2::from_shape_fn((mesh.elements.len(), nodes), |(e, k)| mesh.elements[e][k])
+}
+
 /// Writes a trajectory as plain arrays for NumPy: `positions` and `velocities` (N_t, N_x, 3), `times`, `centroid` and
-/// `pressure_drop` (N_t,), `parameters`, `nodes` (N_x, 3) and `elements` (N_e, 6).
+/// `pressure_drop` (N_t,), `parameters`, `nodes` (N_x, 3) and `elements` (N_e, 6), or (N_e, 3) when all are flat.
 ///
 /// # Errors
 /// [`DatabaseError::WrongLength`] when the trajectory is not one of this mesh, [`DatabaseError::Io`] when the file cannot
@@ -183,7 +189,7 @@ pub fn export(path: &Path, mesh: &Mesh, trajectory: &Trajectory) -> Result<(), D
     writer.add("pressure_drop", &Array1::from(trajectory.pressure_drop.clone()))?;
     writer.add("parameters", &Array1::from(trajectory.parameters.clone()))?;
     writer.add("nodes", &rows(&mesh.nodes))?;
-    writer.add("elements", &rows(&mesh.elements))?;
+    writer.add("elements", &triangles(mesh))?;
     writer.finish()
 }
 
@@ -206,6 +212,22 @@ mod tests {
         assert_eq!(positions[[1, 5, 0]], trajectory.positions[1][5][0]);
         let elements = reader.array::<u32>("elements", &[None, Some(6)]).unwrap();
         assert_eq!(elements[[7, 4]], mesh.elements[7][4]);
+    }
+
+    #[test]
+    fn triangles_have_mid_edges_where_one_element_has() {
+        let mut mesh = octahedral(2);
+        assert_eq!(triangles(&mesh).dim(), (32, 6));
+        let flat = |[a, b, c, ..]: [u32; 6]| [a, b, c, a, b, c];
+        mesh.elements[1..]
+            .iter_mut()
+            .for_each(|element| *element = flat(*element));
+        assert_eq!(triangles(&mesh), rows(&mesh.elements));
+        mesh.elements[0] = flat(mesh.elements[0]);
+        assert_eq!(
+            triangles(&mesh),
+            rows(&mesh.elements.iter().map(|e| [e[0], e[1], e[2]]).collect::<Vec<_>>())
+        );
     }
 
     #[test]

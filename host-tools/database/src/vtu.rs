@@ -7,6 +7,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
 use crate::error::{finite, length};
+use crate::fields::Instant;
 use crate::{DatabaseError, Mesh, atomic};
 
 /// VTK's cell type of a six-node triangle; its node order is that of [`Mesh::elements`].
@@ -123,6 +124,19 @@ impl Series {
             name: name.to_owned(),
             times: Vec::new(),
         })
+    }
+
+    /// Writes a whole series.
+    ///
+    /// # Errors
+    /// As [`write()`].
+    pub fn write(directory: &Path, name: &str, mesh: &Mesh, instants: &[Instant]) -> Result<(), DatabaseError> {
+        let mut series = Self::create(directory, name)?;
+        for instant in instants {
+            series.add(instant.time, mesh, instant.positions, &instant.data)?;
+        }
+        series.finish()?;
+        Ok(())
     }
 
     /// Writes the state at the instant `time`.

@@ -92,7 +92,10 @@ impl<'a> Mechanics<'a> {
         let Discretisation { symmetry, membrane, .. } = self.discretisation;
         let MembraneModel::Harmonics(harmonics) = membrane else {
             let deformations = self.deformations(positions, radius)?;
-            return Ok(deformations.iter().map(|at| at.load(capillary_number)).collect());
+            return Ok(deformations
+                .iter()
+                .map(|at| at.load(capillary_number))
+                .collect::<Result<_, _>>()?);
         };
         let sector: Vec<_> = symmetry.sector.iter().map(|&node| positions[node as usize]).collect();
         let mut load = vec![[0.0; 3]; sector.len()];

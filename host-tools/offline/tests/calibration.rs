@@ -1,6 +1,7 @@
 //! The stated bound of models of other people's data: families with known answers, asked at parameters and instants that no
 //! snapshot has.
 
+#[path = "support/mesh.rs"]
 mod support;
 
 use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace};

@@ -1,5 +1,6 @@
 //! Other people's data in any units and with any offsets give the same model, in these units.
 
+#[path = "support/mesh.rs"]
 mod support;
 
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace};

@@ -64,6 +64,30 @@ pub enum PlotError {
     },
 }
 
+/// Of a file with a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Vector graphics.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// The format that the ending of `path` says: `.svg` or `.png`, in capitals too.
+    ///
+    /// # Errors
+    /// [`PlotError::Format`] for another ending.
+    pub fn of(path: &Path) -> Result<Self, PlotError> {
+        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+        match ending.as_ref().and_then(|ending| ending.to_str()) {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(PlotError::Format { path: path.to_owned() }),
+        }
+    }
+}
+
 /// One part of a figure.
 pub enum Panel {
     /// Curves and points over two axes.
@@ -83,7 +107,7 @@ impl Figure {
         Self { panels }
     }
 
-    /// Writes the figure; the ending of `path` (`.svg`, `.png`) chooses the format.
+    /// Writes the figure in the [`Format`] that the ending of `path` says.
     ///
     /// # Errors
     /// An unknown ending, a panel without finite values, or a file that cannot be written.
@@ -92,16 +116,15 @@ impl Figure {
             path: path.to_owned(),
             reason,
         };
-        match path.extension().and_then(|ending| ending.to_str()) {
-            Some("svg") => std::fs::write(path, self.svg()?).map_err(|error| failed(error.to_string())),
-            Some("png") => {
+        match Format::of(path)? {
+            Format::Svg => std::fs::write(path, self.svg()?).map_err(|error| failed(error.to_string())),
+            Format::Png => {
                 let layout = self.layout()?;
                 let (width, height) = layout.size();
                 let area = BitMapBackend::new(path, (width * FINE, height * FINE)).into_drawing_area();
                 self.draw(&area, &layout, FINE)
                     .map_err(|error| failed(error.to_string()))
             }
-            _ => Err(PlotError::Format { path: path.to_owned() }),
         }
     }
 
@@ -261,7 +284,7 @@ mod tests {
     #[test]
     fn png_has_the_size_of_its_panels() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("figure.png");
+        let path = folder.path().join("figure.PNG");
         figure().save(&path).unwrap();
         let bytes = std::fs::read(path).unwrap();
         let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());

@@ -1,10 +1,9 @@
 //! Errors on configurations that no sample shares, and whether the errors that the model states are right.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use capsule_core::{Method, Model};
-use capsule_database::Database;
+use capsule_database::{Database, DatabaseError, table};
 use capsule_offline::{Comparison, Progress};
 use serde::Serialize;
 
@@ -13,6 +12,18 @@ use crate::{StudyError, name};
 
 /// The instants, in l/V.
 const TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
+
+/// The columns of a table of all errors.
+pub(crate) const HEADING: [&str; 8] = [
+    "method",
+    "capillary_number",
+    "confinement",
+    "t",
+    "lab_percent",
+    "shape_percent",
+    "expected_percent",
+    "bound_percent",
+];
 
 /// Errors of a model on configurations of a test set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,28 +121,28 @@ impl Fresh {
     }
 
     /// One line a method, configuration and instant, with a heading; errors in per cent of a.
-    #[must_use]
-    pub fn csv(&self) -> String {
-        let mut text = String::from(
-            "method,capillary_number,confinement,t,lab_percent,shape_percent,expected_percent,bound_percent\n",
-        );
+    ///
+    /// # Errors
+    /// [`DatabaseError::WrongLength`] for a configuration that has not the parameters of the heading.
+    pub fn csv(&self) -> Result<Vec<u8>, DatabaseError> {
+        table::csv(None, HEADING, self.rows())
+    }
+
+    /// Rows under [`HEADING`].
+    pub(crate) fn rows(&self) -> Vec<Vec<String>> {
+        let mut rows = Vec::new();
         for (method, compared) in &self.compared {
             for c in compared {
-                let parameters: Vec<String> = c.parameters.iter().map(f64::to_string).collect();
                 for (i, instant) in self.methods[method].iter().enumerate() {
                     let values = [c.laboratory[i], c.shape[i], c.expected[i], c.bound[i]];
-                    let values = values.map(|value| format!("{:.6}", 100.0 * value));
-                    let _ = writeln!(
-                        text,
-                        "{method},{},{},{}",
-                        parameters.join(","),
-                        instant.t,
-                        values.join(",")
-                    );
+                    let mut row = vec![(*method).to_owned()];
+                    row.extend(c.parameters.iter().chain([&instant.t]).map(f64::to_string));
+                    row.extend(values.map(|value| format!("{:.6}", 100.0 * value)));
+                    rows.push(row);
                 }
             }
         }
-        text
+        rows
     }
 }
 
@@ -192,6 +203,9 @@ mod tests {
         close(stated.beyond_walls, -0.01);
         close(fresh.methods["direct"][0].lab_mean_percent, 3.0);
         close(fresh.methods["direct"][0].lab_max_percent, 5.0);
-        assert_eq!((fresh.samples, fresh.csv().lines().count()), (0, 7));
+        assert_eq!(fresh.samples, 0);
+        let csv = String::from_utf8(fresh.csv().unwrap()).unwrap();
+        assert_eq!(csv.lines().count(), 7);
+        assert!(csv.contains("\ndirect,0.1,0.9,1,"), "{csv}");
     }
 }

@@ -1,9 +1,9 @@
 //! Leave-one-out errors: each sample predicted by a model that was built without it (paper, section 4.5, Fig. 13).
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use capsule_core::Method;
+use capsule_database::{DatabaseError, table};
 use capsule_offline::{Comparison, LeftOut, Progress, Settings, Source};
 use serde::Serialize;
 
@@ -130,25 +130,25 @@ impl Report {
     }
 
     /// One line a method, sample and instant, with a heading.
-    #[must_use]
-    pub fn csv(&self) -> String {
-        let mut text = format!("method,{},t,lab_percent,shape_percent\n", self.parameters.join(","));
+    ///
+    /// # Errors
+    /// [`DatabaseError::WrongLength`] for a sample that has not one value a parameter.
+    pub fn csv(&self) -> Result<Vec<u8>, DatabaseError> {
+        let names = self.parameters.iter().map(String::as_str);
+        let heading = ["method"].into_iter().chain(names);
+        let heading = heading.chain(["t", "lab_percent", "shape_percent"]);
+        let mut rows = Vec::new();
         for (method, values) in &self.values {
             for v in values {
                 for (i, instant) in self.methods[method].iter().enumerate() {
-                    let parameters: Vec<String> = v.parameters.iter().map(f64::to_string).collect();
-                    let _ = writeln!(
-                        text,
-                        "{method},{},{},{:.6},{:.6}",
-                        parameters.join(","),
-                        instant.t,
-                        v.lab_percent[i],
-                        v.shape_percent[i]
-                    );
+                    let mut row = vec![(*method).to_owned()];
+                    row.extend(v.parameters.iter().chain([&instant.t]).map(f64::to_string));
+                    row.extend([v.lab_percent[i], v.shape_percent[i]].map(|percent| format!("{percent:.6}")));
+                    rows.push(row);
                 }
             }
         }
-        text
+        table::csv(None, heading, rows)
     }
 }
 
@@ -202,7 +202,7 @@ mod tests {
             error(Method::Paper, true, 0.05, 0.05),
             error(Method::Paper, true, 0.05, 0.05),
         ];
-        let names = ["capillary_number", "confinement"].map(str::to_owned).to_vec();
+        let names = ["Q, flow", "confinement"].map(str::to_owned).to_vec();
         let report = Report::new(names, &[1.0, 2.0], &errors, Method::Direct);
         assert_eq!((report.samples, report.default), (2, "direct"));
         let late = report.methods["direct"][1];
@@ -216,7 +216,8 @@ mod tests {
             close(late.shape_mean_percent, 0.3) && close(late.shape_max_percent, 0.4),
             "{late:?}"
         );
-        let csv = report.csv();
+        let csv = String::from_utf8(report.csv().unwrap()).unwrap();
+        assert!(csv.starts_with("method,\"Q, flow\",confinement,t,"), "{csv}");
         assert_eq!(csv.lines().count(), 1 + 2 * 2 * 2);
         assert!(csv.contains("\ndirect,0.1,0.9,2,6.000000,0.400000\n"), "{csv}");
     }

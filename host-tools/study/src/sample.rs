@@ -62,7 +62,7 @@ fn candidates(model: &Model) -> Vec<Parameters<f64>> {
         Parameters::new(&places.collect::<Vec<_>>())
     };
     all.filter_map(point)
-        .filter(|parameters| model.domain(*parameters) == Domain::Inside)
+        .filter(|parameters| model.domain(*parameters) == Ok(Domain::Inside))
         .collect()
 }
 
@@ -235,7 +235,7 @@ pub fn replay(
             // The domain is what is asked for; around it an estimate is an extrapolation, and always greater.
             let left: Vec<(usize, Parameters<f64>)> = left
                 .filter_map(|j| Some((j, Parameters::new(samples[j])?)))
-                .filter(|(_, parameters)| model.domain(*parameters) == Domain::Inside)
+                .filter(|(_, parameters)| model.domain(*parameters) == Ok(Domain::Inside))
                 .collect();
             let candidates: Vec<Parameters<f64>> = left.iter().map(|(_, parameters)| *parameters).collect();
             let suggestion = estimator.add_worst(&candidates)?;

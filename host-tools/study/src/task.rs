@@ -127,7 +127,7 @@ pub fn questions(model: &Model<'_>, count: usize) -> Result<Vec<Question>, Study
             .collect();
         let parameters = Parameters::new(&values)?;
         let t = random.between(0.0, end);
-        (model.domain(parameters) == Domain::Inside).then_some(Question { parameters, t })
+        (model.domain(parameters) == Ok(Domain::Inside)).then_some(Question { parameters, t })
     };
     let found: Vec<Question> = (0..1000 * count).filter_map(|_| one()).take(count).collect();
     if found.len() == count && count > 0 {
@@ -261,7 +261,7 @@ impl<T: Real> Asker<T> {
                 What::Velocities => self.count = instant.velocities(&all, &mut self.nodes)?,
                 What::Section => {
                     instant.positions(&all, &mut self.nodes)?;
-                    let x = instant.centroid();
+                    let x = instant.centroid()?;
                     self.count = section(&model.mesh(), &self.nodes, x, &mut self.section)?;
                 }
                 What::Tensions => {

@@ -48,7 +48,8 @@ fn a_family_that_the_model_contains_has_no_error() {
         assert!(instant.lab_mean_percent <= instant.lab_max_percent);
     }
     // 25 samples, 4 instants, 2 methods.
-    assert_eq!(report.csv().lines().count(), 1 + 25 * 4 * 2);
+    let csv = String::from_utf8(report.csv().unwrap()).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 25 * 4 * 2);
 
     // A sample that does not belong to the family.
     let mut stranger = support::trajectory(database.mesh(), [0.08, 0.9], database.times());

@@ -156,7 +156,7 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
     for confinement in [al[0], al[1], 0.5 * (al[0] + al[1])] {
         let limit = steady_limit(confinement);
         for capillary_number in [ca[0], ca[1], limit, 0.5 * (ca[0] + limit), 1.01 * limit] {
-            let outside = model.domain([capillary_number, confinement]) != Domain::Inside;
+            let outside = model.domain([capillary_number, confinement]) != Ok(Domain::Inside);
             ask(Method::Direct, false, [capillary_number, confinement, STEP, 2.0], 2);
             if outside {
                 ask(Method::Direct, true, [capillary_number, confinement, STEP, 2.0], 2);

@@ -104,7 +104,7 @@ impl<T: Word> Storage<T> {
                 text.number(found.velocity);
                 text.number(found.centroid);
             }
-            Ask::ExpectedError => text.number(instant.expected_error()),
+            Ask::ExpectedError => text.number(instant.expected_error()?),
             Ask::Volume => text.number(instant.volume()?),
             Ask::Midplane | Ask::Diagonal => {
                 let (name, frame) = if case.ask == Ask::Midplane {
@@ -157,7 +157,7 @@ impl<T: Word> Storage<T> {
                 for number in found.stretches().into_iter().chain(found.tensions()) {
                     text.number(number);
                 }
-                for number in found.load(capillary_number) {
+                for number in found.load(capillary_number)? {
                     text.number(number);
                 }
             }

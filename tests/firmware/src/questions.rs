@@ -40,7 +40,7 @@ pub fn answer(
     emit(found.velocity);
     emit(found.centroid);
     emit(instant.volume()?);
-    emit(instant.expected_error());
+    emit(instant.expected_error()?);
     let mut points = [[0.0; 3]; 3];
     let some = Scene {
         nodes: Nodes::List(&[0, 7, 31]),
@@ -70,6 +70,6 @@ pub fn answer(
         .for_each(&mut *emit);
     emit(deformation.area_dilation());
     emit(deformation.energy_density());
-    deformation.load(capillary_number).into_iter().for_each(emit);
+    deformation.load(capillary_number)?.into_iter().for_each(emit);
     Ok(())
 }

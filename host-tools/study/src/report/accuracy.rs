@@ -9,6 +9,7 @@ use faer::Mat;
 
 use super::sheet::{Curves, Section, Series, Sheet};
 use crate::StudyError;
+use crate::fresh::HEADING;
 use crate::stability::Subject;
 
 /// The query that the paper shows.
@@ -269,16 +270,7 @@ pub(super) fn calibration(
             fresh.samples
         ),
     );
-    let csv = fresh.csv();
-    let mut lines = csv
-        .lines()
-        .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-    let heading = lines.next().unwrap_or_default();
-    sheet.csv(
-        "fresh.csv",
-        &heading.iter().map(String::as_str).collect::<Vec<_>>(),
-        lines,
-    )?;
+    sheet.csv("fresh.csv", &HEADING, fresh.rows().into_iter())?;
     let mut rows = Vec::new();
     for (method, instants) in &fresh.methods {
         let mut series: Vec<Series> = Vec::new();

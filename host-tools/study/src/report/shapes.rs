@@ -36,7 +36,7 @@ pub(super) fn section(sheet: &mut Sheet, model: &Model) -> Result<Section, Study
     let mut first = String::new();
     for t in INSTANTS {
         let mut instant = evaluator.at(t)?;
-        let centroid = instant.centroid();
+        let centroid = instant.centroid()?;
         instant.positions(&ALL, &mut nodes)?;
         nodes.iter_mut().for_each(|node| node[0] -= centroid);
         rows.extend(nodes.iter().enumerate().map(|(i, [x, y, z])| {

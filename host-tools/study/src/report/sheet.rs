@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use capsule_database::table;
 use capsule_plot::{Axis, Curve, Figure, Lines, Mark, Panel};
 
 use crate::StudyError;
@@ -128,18 +129,7 @@ impl Sheet {
         rows: impl Iterator<Item = Vec<String>>,
     ) -> Result<(), StudyError> {
         let path = self.folder.join(file);
-        let failed = |error: csv::Error| StudyError::Write {
-            path: path.clone(),
-            source: error.into(),
-        };
-        let mut writer = csv::Writer::from_path(&path).map_err(failed)?;
-        writer.write_record(heading).map_err(failed)?;
-        for row in rows {
-            writer.write_record(row).map_err(failed)?;
-        }
-        writer.flush().map_err(|source| StudyError::Write {
-            path: path.clone(),
-            source,
-        })
+        let text = table::csv(None, heading, rows)?;
+        std::fs::write(&path, text).map_err(|source| StudyError::Write { path, source })
     }
 }

@@ -35,7 +35,7 @@ pub(super) fn places(model: &Model, quick: bool) -> Vec<Place> {
     let between = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
     let grid = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
     grid.map(|(row, column)| [between(ca, column, columns), between(confinement, row, rows)])
-        .filter(|[ca, confinement]| model.domain([*ca, *confinement]) == Domain::Inside)
+        .filter(|[ca, confinement]| model.domain([*ca, *confinement]) == Ok(Domain::Inside))
         .filter_map(|query| place(model, query))
         .collect()
 }

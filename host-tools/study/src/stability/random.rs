@@ -58,7 +58,7 @@ fn neighbours<T: Real>(model: &Model, method: Method, bound: f64, pairs: usize) 
         let t = random.between(0.0, f64::from(model.end_time()));
         if [query, beside]
             .iter()
-            .any(|[ca, confinement]| model.domain([*ca, *confinement]) != Domain::Inside)
+            .any(|[ca, confinement]| model.domain([*ca, *confinement]) != Ok(Domain::Inside))
         {
             continue;
         }

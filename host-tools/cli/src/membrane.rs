@@ -1,0 +1,102 @@
+//! What `predict` asks of the surface: positions, velocities and the mechanics of the membrane.
+
+use crate::fields::{self, Column, Field, Surface, Totals};
+use anyhow::Result;
+use capsule_core::mechanics::{self, Deformation, Stencil};
+use capsule_core::model::wire::Reference;
+use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Real, Scene};
+
+/// The fields that are asked for, and what they need.
+pub struct Mechanics<'o, T> {
+    fields: &'o [Field],
+    capillary_number: T,
+    /// Of the sector's nodes.
+    stencils: Vec<Stencil<T>>,
+    sector: Vec<[T; 3]>,
+}
+
+impl<'o, T: Real> Mechanics<'o, T> {
+    /// None where no field is asked for.
+    pub fn new(model: &Model<'_>, fields: &'o [Field], capillary_number: T) -> Result<Option<Self>> {
+        if fields.is_empty() {
+            return Ok(None);
+        }
+        if !matches!(model.contents().mesh.reference, Reference::Sphere) {
+            return Err(EvaluateError::NoSphere.into());
+        }
+        let mesh = model.mesh();
+        let nodes = mesh.sector_nodes();
+        let stencils = nodes.iter().map(|node| Stencil::at(&mesh, node));
+        Ok(Some(Self {
+            fields,
+            capillary_number,
+            stencils: stencils.collect::<Result<_, _>>()?,
+            sector: vec![[T::ZERO; 3]; nodes.len()],
+        }))
+    }
+
+    /// The deformations at the sector's nodes.
+    fn deformations(&mut self, evaluator: &mut Evaluator<'_, T>, t: T) -> Result<Vec<Deformation<T>>> {
+        let membrane = evaluator.at(t)?.membrane(&mut self.sector)?;
+        let deformations = self.stencils.iter().map(|stencil| membrane.deformation(stencil));
+        Ok(deformations.collect::<Result<_, _>>()?)
+    }
+
+    /// Totals and extremes at an instant.
+    pub fn totals(&mut self, evaluator: &mut Evaluator<'_, T>, t: T) -> Result<Totals<T>> {
+        let [max_stretch, max_tension, min_tension] = fields::extremes(&self.deformations(evaluator, t)?);
+        let mechanics::Totals {
+            area,
+            energy,
+            pressure_drop,
+        } = evaluator.at(t)?.membrane(&mut self.sector)?.totals()?;
+        Ok(Totals {
+            area,
+            energy,
+            pressure_drop,
+            max_stretch,
+            max_tension,
+            min_tension,
+        })
+    }
+}
+
+/// All nodes at an instant, with velocities and what is asked of the membrane.
+pub fn surface<T: Real>(
+    model: &Model<'_>,
+    evaluator: &mut Evaluator<'_, T>,
+    mechanics: Option<&mut Mechanics<T>>,
+    t: T,
+) -> Result<Surface> {
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mesh = model.mesh();
+    let mut nodes = vec![[T::ZERO; 3]; mesh.nodes()];
+    let mut instant = evaluator.at(t)?;
+    instant.positions(&scene, &mut nodes)?;
+    let positions = nodes.iter().map(|point| point.map(T::to_f64)).collect();
+    instant.velocities(&scene, &mut nodes)?;
+    let mut columns = vec![Column::vectors("velocity", nodes)];
+    if let Some(mechanics) = mechanics {
+        let sector = mechanics.deformations(evaluator, t)?;
+        let carried = |(index, operation): (usize, u8)| sector[index].carried(operation);
+        let full: Vec<_> = (0..mesh.nodes())
+            .filter_map(|node| mesh.origin(node))
+            .map(carried)
+            .collect();
+        let load = || {
+            Ok(full
+                .iter()
+                .map(|at| at.load(mechanics.capillary_number))
+                .collect::<Result<_, _>>()?)
+        };
+        columns.extend(fields::columns(mechanics.fields, &full, load)?);
+    }
+    Ok(Surface {
+        time: t.to_f64(),
+        positions,
+        columns,
+    })
+}

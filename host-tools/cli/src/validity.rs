@@ -1,0 +1,62 @@
+//! What an answer's error is relative to, in words.
+
+use capsule_core::Model;
+use capsule_core::model::MatrixView;
+use capsule_core::model::wire::Reference;
+use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
+
+/// The solution that a model's errors are measured against.
+pub fn errors_against(model: &Model<'_>) -> String {
+    let contents = model.contents();
+    match (contents.mesh.reference, contents.metadata.bending_stiffness) {
+        (Reference::Shape { .. }, _) => "the data that the model was built from".to_owned(),
+        (Reference::Sphere, None) => format!("the full-order model ({})", contents.metadata.membrane_law),
+        (Reference::Sphere, Some(stiffness)) => {
+            let law = contents.metadata.membrane_law;
+            format!("the full-order model ({law}, B = {stiffness:e} G_s a^2)")
+        }
+    }
+}
+
+/// By how much the full-order model's bending stiffness changes its solution, at the nearest configuration for which that is known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BendingEffect {
+    ca: f32,
+    confinement: f32,
+    /// Modified Hausdorff distance of the steady shapes with and without it, as a fraction of a.
+    distance: f32,
+}
+
+/// Nearest in ln Ca and a/l, a factor of two in Ca counting as much as 0.1 in a/l; none where the model knows of none.
+pub fn bending_effect(model: &Model<'_>, parameters: &[f64]) -> Option<BendingEffect> {
+    let [capillary_number, confinement] = *parameters.first_chunk()?;
+    let known = MatrixView::new(&model.contents().bending_effect);
+    let effect = |row| BendingEffect {
+        ca: known.get(row, 0),
+        confinement: known.get(row, 1),
+        distance: known.get(row, 2),
+    };
+    let square = |at: &BendingEffect| {
+        let octaves = (f64::from(at.ca) / capillary_number).log2();
+        octaves * octaves + ((f64::from(at.confinement) - confinement) / 0.1).powi(2)
+    };
+    let effects = (0..known.rows()).map(effect);
+    effects.min_by(|a, b| square(a).total_cmp(&square(b)))
+}
+
+impl Display for BendingEffect {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            ca,
+            confinement,
+            distance,
+        } = self;
+        let percent = 100.0 * distance;
+        write!(
+            f,
+            "The bending stiffness changes the full-order solution by {percent:.2} % of a at Ca = {ca}, a/l = {confinement}, the \
+             nearest configuration for which that is known."
+        )
+    }
+}
