@@ -1,0 +1,201 @@
+//! Whether the snapshots of a closed surface are a plausible motion of one capsule.
+
+use super::Collection;
+use super::parameters::number;
+use crate::{DatabaseError, Mesh};
+
+/// The least volume, as a share of the cube of the surface's extent: an ellipsoid a thousand times as long as wide.
+const FLAT: f64 = 1e-6;
+
+/// The most that the mean radius may change within a configuration, as a factor: swelling and bursting are within it.
+const SWOLLEN: f64 = 2.0;
+
+/// The most that the mean radius may differ from the median of all configurations, as a factor: beyond are other units.
+const OTHER_UNIT: f64 = 100.0;
+
+/// The farthest that a capsule may lie from the channel's axis, in mean radii.
+const OFF_AXIS: f64 = 100.0;
+
+const UNWRAP: &str = "expected the unwrapped positions of one capsule: add the period of the domain to the nodes that left it";
+
+/// A snapshot as a whole.
+struct Body {
+    /// The radius of the sphere of the same volume; negative when the surface is inside out.
+    radius: f64,
+    /// The volume as a share of the extent's cube.
+    fullness: f64,
+    /// The mean of the nodes.
+    centre: [f64; 3],
+}
+
+/// Checks that in all snapshots the surface encloses a plausible volume and hangs together, and that it moves without jumps.
+///
+/// # Errors
+/// [`DatabaseError::BadCollection`] with the configuration, the instant and the nodes.
+pub(super) fn check(collection: &Collection, mesh: &Mesh) -> Result<(), DatabaseError> {
+    let edges = edges(mesh);
+    let mut radii = Vec::new();
+    for (j, snapshots) in collection.positions.iter().enumerate() {
+        let bodies = snapshots.iter().map(|positions| Body::new(mesh, positions));
+        let bodies: Vec<Body> = bodies.collect::<Result<_, _>>()?;
+        let check = Configuration {
+            collection,
+            j,
+            bodies: &bodies,
+        };
+        check.edges(&edges)?;
+        check.volumes()?;
+        check.path()?;
+        radii.push(bodies[0].radius);
+    }
+    let middle = median(&mut radii.clone());
+    match radii.iter().position(|r| !(middle / OTHER_UNIT..=middle * OTHER_UNIT).contains(r)) {
+        None => Ok(()),
+        Some(j) => Err(DatabaseError::collection(format!(
+            "`positions`: {} has the mean radius {}, the median of all is {}; expected all in the same unit of length",
+            collection.place(j),
+            rounded(radii[j]),
+            rounded(middle)
+        ))),
+    }
+}
+
+impl Body {
+    /// In coordinates relative to a node, divided by the extent: neither a distant origin nor the unit matters.
+    fn new(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<Self, DatabaseError> {
+        let origin = positions[0];
+        let relative = |x: &[f64; 3]| [x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]];
+        let mut scaled: Vec<[f64; 3]> = positions.iter().map(relative).collect();
+        let extent = scaled.as_flattened().iter().fold(0.0, |extent: f64, x| extent.max(x.abs()));
+        if extent > 0.0 {
+            scaled.as_flattened_mut().iter_mut().for_each(|x| *x /= extent);
+        }
+        let mean = |d: usize| scaled.iter().map(|x| x[d]).sum::<f64>() / scaled.len() as f64;
+        let centre = [0, 1, 2].map(|d| origin[d] + extent * mean(d));
+        let (fullness, _) = mesh.volume_and_centroid(&scaled)?;
+        Ok(Self {
+            radius: extent * (0.75 / std::f64::consts::PI * fullness).cbrt(),
+            fullness,
+            centre,
+        })
+    }
+
+    fn volume(&self) -> String {
+        rounded(4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3))
+    }
+}
+
+struct Configuration<'a> {
+    collection: &'a Collection,
+    j: usize,
+    bodies: &'a [Body],
+}
+
+impl Configuration<'_> {
+    fn fault(&self, i: usize, what: &str) -> DatabaseError {
+        let (time, place) = (number(self.collection.times[i]), self.collection.place(self.j));
+        DatabaseError::collection(format!("`positions` of {place} at t = {time} (snapshot {i}): {what}"))
+    }
+
+    /// No edge is longer than the mean diameter, unless the mesh is as coarse as that.
+    fn edges(&self, edges: &[[u32; 2]]) -> Result<(), DatabaseError> {
+        let radii = self.bodies.iter().map(|body| body.radius.abs());
+        let diameter = 2.0 * radii.fold(f64::INFINITY, f64::min);
+        for (i, positions) in self.collection.positions[self.j].iter().enumerate() {
+            let length = |[a, b]: &[u32; 2]| {
+                let [a, b] = [a, b].map(|node| positions[*node as usize]);
+                (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+            };
+            let lengths: Vec<f64> = edges.iter().map(length).collect();
+            let longest = (0..lengths.len()).max_by(|e, f| lengths[*e].total_cmp(&lengths[*f]));
+            let Some((longest, [a, b])) = longest.map(|e| (lengths[e], edges[e])) else { continue };
+            if longest > diameter && longest > 2.0 * median(&mut lengths.clone()) {
+                let (longest, diameter) = (rounded(longest), rounded(diameter));
+                return Err(self.fault(
+                    i,
+                    &format!("edge ({a}, {b}) has the length {longest}, more than the mean diameter {diameter}; {UNWRAP}"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// All volumes are positive, and alike.
+    fn volumes(&self) -> Result<(), DatabaseError> {
+        let first = &self.bodies[0];
+        if first.fullness < -FLAT {
+            let turned = if Mesh::is_flat(&self.collection.elements[0]) {
+                "elements[:, ::-1]"
+            } else {
+                "elements[:, [0, 2, 1, 5, 4, 3]]"
+            };
+            return Err(DatabaseError::collection(format!(
+                "`elements`: the surface is inside out: it encloses the volume {} in {}; expected the nodes of each triangle \
+                 counter-clockwise seen from outside: `{turned}` turns them over",
+                first.volume(),
+                self.collection.place(self.j)
+            )));
+        }
+        for (i, body) in self.bodies.iter().enumerate() {
+            if !(FLAT..).contains(&body.fullness) {
+                let found = body.volume();
+                return Err(self.fault(i, &format!("the surface encloses the volume {found}, expected a body; {UNWRAP}")));
+            }
+            if !(first.radius / SWOLLEN..=first.radius * SWOLLEN).contains(&body.radius) {
+                let (found, start) = (body.volume(), first.volume());
+                let factor = SWOLLEN.powi(3);
+                return Err(self.fault(
+                    i,
+                    &format!("the volume is {found}, at the start {start}; expected the same within a factor of {factor}"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The centre stays near the channel's axis, and does not move back by more than a diameter in one step of a forward
+    /// motion.
+    fn path(&self) -> Result<(), DatabaseError> {
+        let radius = self.bodies[0].radius;
+        for (i, Body { centre, .. }) in self.bodies.iter().enumerate() {
+            if centre[1].abs().max(centre[2].abs()) > OFF_AXIS * radius {
+                let [y, z] = [centre[1], centre[2]].map(rounded);
+                let radius = rounded(radius);
+                let what = format!(
+                    "the centre lies at y = {y}, z = {z}, more than {OFF_AXIS} mean radii ({radius}) from the channel's axis \
+                     y = z = 0; expected coordinates from the axis"
+                );
+                return Err(self.fault(i, &what));
+            }
+        }
+        let steps: Vec<f64> = self.bodies.windows(2).map(|pair| pair[1].centre[0] - pair[0].centre[0]).collect();
+        for (i, step) in steps.iter().enumerate() {
+            // The steps before and after; at an end the two next to it.
+            let first = i.saturating_sub(1).min(steps.len().saturating_sub(3));
+            let neighbours = steps.iter().enumerate().skip(first).take(3).filter(|(other, _)| *other != i);
+            let against = neighbours.filter(|(_, other)| step * **other < 0.0 && step.abs() > other.abs());
+            if step.abs() > 2.0 * radius && against.count() == 2 {
+                let step = rounded(*step);
+                let what = format!("the capsule has jumped by {step} along x against its motion; {UNWRAP}");
+                return Err(self.fault(i + 1, &what));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The edges between corners of a closed surface: each is a rising one of just one triangle.
+fn edges(mesh: &Mesh) -> Vec<[u32; 2]> {
+    let sides = mesh.elements.iter().flat_map(|e| [[e[0], e[1]], [e[1], e[2]], [e[2], e[0]]]);
+    sides.filter(|[a, b]| a < b).collect()
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// A measured number to four digits.
+fn rounded(value: f64) -> String {
+    number(format!("{value:.3e}").parse().unwrap_or(value))
+}
