@@ -222,7 +222,7 @@ mod tests {
             .to_string();
         assert!(error.contains("`positions` of shape (2, N, 3) is missing"), "{error}");
         let error = reader.vector::<f64>("times", Some(3)).unwrap_err().to_string();
-        assert!(error.contains("`times` has shape [2], expected (3,)"), "{error}");
+        assert!(error.contains("`times` has shape (2,), expected (3,)"), "{error}");
         let error = reader.vector::<u8>("times", None).unwrap_err().to_string();
         assert!(
             error.contains("`times` has elements of type") && error.contains("expected u8"),

@@ -43,7 +43,11 @@ pub(crate) fn collection(arrays: &mut impl Arrays) -> Result<Collection, Databas
     let nodes = positions[0][0].len();
     let velocities = if arrays.has("velocities") {
         let nodes = nodes.to_string();
-        fields(&required(arrays, "velocities", &[&configurations, &instants, &nodes, "3"])?)
+        fields(&required(
+            arrays,
+            "velocities",
+            &[&configurations, &instants, &nodes, "3"],
+        )?)
     } else {
         Vec::new()
     };
@@ -87,8 +91,14 @@ fn required(arrays: &mut impl Arrays, name: &str, shape: &[&str]) -> Result<Arra
     let expected = format!("({}{comma})", shape.join(", "));
     if !arrays.has(name) {
         let held: Vec<String> = arrays.names().iter().take(12).map(|name| format!("`{name}`")).collect();
-        let held = if held.is_empty() { "no array".to_owned() } else { held.join(", ") };
-        return Err(arrays.malformed(format!("array `{name}` of shape {expected} is missing; the file holds {held}")));
+        let held = if held.is_empty() {
+            "no array".to_owned()
+        } else {
+            held.join(", ")
+        };
+        return Err(arrays.malformed(format!(
+            "array `{name}` of shape {expected} is missing; the file holds {held}"
+        )));
     }
     let array = arrays.numbers(name)?;
     let fits = |(found, expected): (&usize, &&str)| match *expected {

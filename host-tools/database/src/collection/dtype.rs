@@ -88,16 +88,18 @@ fn real(name: &str) -> Option<Decoder<f64>> {
     })
 }
 
-/// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of zeros.
-/// Other platforms keep other formats under the same name; their numbers do not look like this.
+/// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of which NumPy
+/// sets none. Other platforms keep other formats under the same name. Their numbers do not look like this: the exponent of
+/// IEEE quadruple precision (ARM) lies in the last two bytes, where x86 has zeros or the top of an address in user space,
+/// and a pair of doubles (PowerPC) lacks the leading one.
 pub(crate) fn extended(bytes: &[u8]) -> Decoded<f64> {
-    const OTHER: &str = "long doubles of another platform than x86; expected those or `.astype(float)`";
+    const OTHER: &str = "long doubles of another platform than x86: `.astype(float)` there converts them";
     let (significand, rest) = bytes.split_first_chunk::<8>().ok_or(OTHER)?;
     let (high, padding) = rest.split_first_chunk::<2>().ok_or(OTHER)?;
     let (significand, high) = (u64::from_le_bytes(*significand), u16::from_le_bytes(*high));
     let exponent = i32::from(high & 0x7fff);
-    let normal = exponent == 0 || significand >> 63 == 1;
-    if !normal || padding.iter().any(|byte| *byte != 0) {
+    let normal = significand >> 63 == 1 && exponent > 0;
+    if !(normal || (significand == 0 && exponent == 0)) || !padding.ends_with(&[0, 0]) {
         return Err(OTHER);
     }
     let magnitude = match (exponent, significand << 1) {
@@ -105,7 +107,7 @@ pub(crate) fn extended(bytes: &[u8]) -> Decoded<f64> {
         (0x7fff, _) => f64::NAN,
         _ => {
             // Two factors: a single power of two may be beyond f64 where the number is not.
-            let power = (exponent - 16383 - 63).clamp(-2200, 2200);
+            let power = (exponent - 16383 - 63).clamp(-2000, 2000);
             significand as f64 * 2f64.powi(power / 2) * 2f64.powi(power - power / 2)
         }
     };
@@ -169,4 +171,157 @@ pub(crate) fn described(kind: &Value) -> (String, &'static str) {
         _ => ("numbers", ".astype(float)"),
     };
     (format!("{words} (`{descriptor}`)"), remedy)
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use ndarray::ArrayD;
+    use ndarray_npy::{ReadNpyError, ReadNpyExt};
+
+    /// An NPY file.
+    pub(crate) fn npy(kind: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let header = format!("{{'descr': {kind}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(data);
+        bytes
+    }
+
+    fn read<T: ReadableElement>(kind: &str, shape: &str, data: &[u8]) -> Result<Vec<T>, ReadNpyError> {
+        Ok(ArrayD::<T>::read_npy(&npy(kind, "False", shape, data)[..])?
+            .into_iter()
+            .collect())
+    }
+
+    fn numbers(kind: &str, data: &[u8]) -> Vec<f64> {
+        let read: Vec<Real> = read(&format!("'{kind}'"), "(2,)", data).unwrap();
+        read.into_iter().map(|Real(x)| x).collect()
+    }
+
+    #[test]
+    fn integers_and_floats_are_read_in_both_byte_orders() {
+        assert_eq!(numbers("|i1", &[0xff, 0x7f]), [-1.0, 127.0]);
+        assert_eq!(numbers("|u1", &[0xff, 0x7f]), [255.0, 127.0]);
+        assert_eq!(numbers("<i2", &[0xfe, 0xff, 0x00, 0x01]), [-2.0, 256.0]);
+        assert_eq!(numbers(">i2", &[0xff, 0xfe, 0x01, 0x00]), [-2.0, 256.0]);
+        assert_eq!(numbers(">u2", &[0xff, 0xfe, 0x01, 0x00]), [65534.0, 256.0]);
+        assert_eq!(numbers("<u4", &[0, 0, 0, 0x80, 1, 0, 0, 0]), [2_147_483_648.0, 1.0]);
+        assert_eq!(numbers(">i4", &[0x80, 0, 0, 0, 0, 0, 0, 1]), [-2_147_483_648.0, 1.0]);
+        let words = [i64::MIN, 5].map(i64::to_be_bytes).concat();
+        assert_eq!(numbers(">i8", &words), [-9_223_372_036_854_775_808.0, 5.0]);
+        assert_eq!(numbers(">u8", &words), [9_223_372_036_854_775_808.0, 5.0]);
+        // 1/3 to the nearest half, the least half.
+        assert_eq!(
+            numbers("<f2", &[0x55, 0x35, 0x01, 0x00]),
+            [0.333_251_953_125, 2f64.powi(-24)]
+        );
+        assert_eq!(numbers(">f2", &[0x35, 0x55, 0xc0, 0x00]), [0.333_251_953_125, -2.0]);
+        assert_eq!(numbers("<f4", &[0, 0, 0x20, 0x40, 0, 0, 0, 0x80]), [2.5, 0.0]);
+        assert_eq!(
+            numbers(">f8", &[0.1, -1e300].map(f64::to_be_bytes).concat()),
+            [0.1, -1e300]
+        );
+    }
+
+    #[test]
+    fn long_doubles_of_x86_are_read_and_others_refused() {
+        let word = |text: &str| -> [u8; 16] {
+            let digits = format!("{text}3767f07f0000");
+            std::array::from_fn(|k| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).unwrap())
+        };
+        // As numpy.longdouble writes 0.1, -2.5, 1e-310, 1e400, -1e-4900, nan.
+        let words = ["cdccccccccccccccfb3f", "00000000000000a000c0", "a37e5831875b4493f93b"].map(word);
+        assert_eq!(words.map(|word| extended(&word).unwrap()), [0.1, -2.5, 1e-310]);
+        let words = ["e6f99fcbc83f76da2f45", "7229f6ba56dfb4bb6980", "00000000000000000000"].map(word);
+        assert_eq!(words.map(|word| extended(&word).unwrap()), [f64::INFINITY, 0.0, 0.0]);
+        assert!(extended(&word("00000000000000c0ff7f")).unwrap().is_nan());
+        // 1 as IEEE quadruple precision of ARM, and as a pair of doubles of PowerPC.
+        let mut quadruple = [0; 16];
+        quadruple[14..].copy_from_slice(&[0xff, 0x3f]);
+        let mut pair = [0; 16];
+        pair[..8].copy_from_slice(&1f64.to_le_bytes());
+        for other in [quadruple, pair] {
+            assert!(extended(&other).unwrap_err().contains("another platform"));
+        }
+    }
+
+    #[test]
+    fn fortran_order_gives_the_same_array() {
+        let rows = npy("'|u1'", "False", "(2, 3)", &[1, 2, 3, 4, 5, 6]);
+        let columns = npy("'|u1'", "True", "(2, 3)", &[1, 4, 2, 5, 3, 6]);
+        let [rows, columns] = [rows, columns].map(|bytes| ArrayD::<Real>::read_npy(&bytes[..]).unwrap());
+        assert_eq!(rows, columns);
+    }
+
+    #[test]
+    fn texts_are_read_as_numpy_writes_them() {
+        let utf32 = |swap: bool| -> Vec<u8> {
+            let codes = ['ß', 'µ', '\0', 'a', '流', 'b'].map(|c| c as u32);
+            codes
+                .iter()
+                .flat_map(|c| if swap { c.to_be_bytes() } else { c.to_le_bytes() })
+                .collect()
+        };
+        let texts = |kind: &str, shape: &str, data: &[u8]| {
+            let read = read::<Text>(kind, shape, data).map_err(|error| error.to_string())?;
+            Ok::<_, String>(read.into_iter().map(|Text(text)| text).collect::<Vec<_>>())
+        };
+        assert_eq!(texts("'<U3'", "(2,)", &utf32(false)).unwrap(), ["ßµ", "a流b"]);
+        assert_eq!(texts("'>U3'", "(2,)", &utf32(true)).unwrap(), ["ßµ", "a流b"]);
+        assert_eq!(texts("'|S3'", "()", b"um\0").unwrap(), ["um"]);
+        assert_eq!(texts("'<U0'", "(1,)", b"").unwrap(), [""]);
+        assert!(texts("'|S3'", "(1,)", b"\xb5m\0").unwrap_err().contains("UTF-8"));
+        assert!(
+            texts("'<U1'", "(1,)", &[0, 0, 0xff, 0])
+                .unwrap_err()
+                .contains("Unicode")
+        );
+    }
+
+    #[test]
+    fn other_types_are_named_with_a_remedy() {
+        for (kind, words, remedy) in [
+            ("'<c16'", "complex numbers (`<c16`)", ".real"),
+            ("'|b1'", "booleans", ".astype(int)"),
+            ("'|O'", "Python objects", ".astype(float)"),
+            ("'<M8[s]'", "dates", ".astype(float)"),
+            ("'>f16'", "another platform", ".astype(float)"),
+            (
+                "[('x', '<f8'), ('y', '<f8')]",
+                "records (`[('x', '<f8'), ('y', '<f8')]`)",
+                "structured_to_unstructured",
+            ),
+        ] {
+            let Err(ReadNpyError::WrongDescriptor(found)) = read::<Real>(kind, "(1,)", &[0; 16]) else {
+                panic!("{kind}");
+            };
+            let (description, found) = described(&found);
+            assert!(
+                description.contains(words) && found.contains(remedy),
+                "{description} {found}"
+            );
+        }
+        assert!(matches!(
+            read::<Text>("'<f8'", "(1,)", &[0; 8]),
+            Err(ReadNpyError::WrongDescriptor(_))
+        ));
+    }
+
+    #[test]
+    fn missing_and_extra_bytes_are_found() {
+        assert!(matches!(
+            read::<Real>("'<f8'", "(2,)", &[0; 15]),
+            Err(ReadNpyError::MissingData)
+        ));
+        assert!(matches!(
+            read::<Real>("'<f8'", "(99999999999999,)", &[0; 80]),
+            Err(ReadNpyError::MissingData)
+        ));
+        assert!(matches!(
+            read::<Real>("'<f8'", "(2,)", &[0; 17]),
+            Err(ReadNpyError::ExtraBytes(1))
+        ));
+    }
 }

@@ -152,10 +152,131 @@ impl Arrays for Archive {
 /// What the library says, without the names of its layers.
 fn words(error: &Hdf5Error) -> String {
     let text = error.to_string();
-    let layers = ["hdf5-io error: ", "format error: ", "invalid state: ", "type mismatch: ", "unsupported: "];
+    let layers = [
+        "hdf5-io error: ",
+        "format error: ",
+        "invalid state: ",
+        "type mismatch: ",
+        "unsupported: ",
+    ];
     let mut words = text.as_str();
     while let Some(inner) = layers.iter().find_map(|layer| words.strip_prefix(layer)) {
         words = inner;
     }
     words.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rust_hdf5::{H5FileOptions, HBool, LibverBound};
+
+    /// A file that `write` fills, opened.
+    fn file(options: H5FileOptions, write: impl Fn(&H5File) -> rust_hdf5::Result<()>) -> (tempfile::TempDir, Archive) {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("data.h5");
+        let file = options.create(&path).unwrap();
+        write(&file).unwrap();
+        file.close().unwrap();
+        let archive = Archive::open(&path).unwrap();
+        (directory, archive)
+    }
+
+    fn sines(count: usize) -> Vec<f64> {
+        (0..count).map(|k| (k as f64).sin()).collect()
+    }
+
+    #[test]
+    fn chunks_are_read_with_every_number_of_unlimited_axes() {
+        // No unlimited axis, one and several have indices of their own, as do files for old libraries.
+        for bound in [LibverBound::Earliest, LibverBound::V110, LibverBound::V200] {
+            for unlimited in 0..=3 {
+                let extent = [7, 5, 3];
+                let most: Vec<Option<usize>> = (0..3).map(|d| (d >= unlimited).then_some(extent[d])).collect();
+                let (_directory, mut archive) = file(H5FileOptions::default().libver(bound), |file| {
+                    let dataset = file
+                        .new_dataset::<f64>()
+                        .shape(extent)
+                        .chunk(&[2, 2, 3])
+                        .max_shape(&most);
+                    dataset
+                        .shuffle_deflate(6)
+                        .create("positions")?
+                        .write_slice(&[0; 3], &extent, &sines(105))
+                });
+                let array = archive.numbers("positions").unwrap();
+                assert_eq!(array.shape(), extent);
+                assert_eq!(array.into_raw_vec_and_offset().0, sines(105), "{bound:?} {unlimited}");
+            }
+        }
+    }
+
+    #[test]
+    fn links_are_followed_and_others_do_not_disturb() {
+        for bound in [LibverBound::Earliest, LibverBound::V200] {
+            let (_directory, mut archive) = file(H5FileOptions::default().libver(bound), |file| {
+                let group = file.create_group("group")?;
+                group
+                    .new_dataset::<f64>()
+                    .shape([4])
+                    .create("there")?
+                    .write_raw(&sines(4))?;
+                let root = file.root_group();
+                root.create_soft_link("times", "/group/there")?;
+                root.create_soft_link("lost", "/nowhere")?;
+                root.create_external_link("elsewhere", "other.h5", "/x")
+            });
+            assert_eq!(archive.numbers("times").unwrap().into_raw_vec_and_offset().0, sines(4));
+            let lost = archive.numbers("lost").unwrap_err().to_string();
+            assert!(
+                lost.contains("array `lost` is a link to `/nowhere`, which does not exist"),
+                "{lost}"
+            );
+            let elsewhere = archive.numbers("elsewhere").unwrap_err().to_string();
+            assert!(
+                elsewhere.contains("`elsewhere`") && elsewhere.contains("other.h5"),
+                "{elsewhere}"
+            );
+            let group = archive.numbers("group").unwrap_err().to_string();
+            assert!(group.contains("array `group` is no dataset"), "{group}");
+        }
+    }
+
+    #[test]
+    fn integers_and_texts_are_read_and_other_types_named() {
+        let (_directory, mut archive) = file(H5FileOptions::default(), |file| {
+            file.new_dataset::<i16>()
+                .shape([2])
+                .create("short")?
+                .write_raw(&[-7i16, 300])?;
+            file.new_dataset::<u64>()
+                .shape([1])
+                .create("long")?
+                .write_raw(&[1u64 << 63])?;
+            file.new_dataset::<HBool>()
+                .shape([1])
+                .create("flags")?
+                .write_raw(&[HBool::from(true)])?;
+            file.write_vlen_strings("names", &["größe", "流れ"]).map(|_| ())
+        });
+        assert_eq!(
+            archive.numbers("short").unwrap().into_raw_vec_and_offset().0,
+            [-7.0, 300.0]
+        );
+        assert_eq!(
+            archive.numbers("long").unwrap().into_raw_vec_and_offset().0,
+            [2f64.powi(63)]
+        );
+        assert_eq!(archive.texts("names").unwrap(), ["größe", "流れ"]);
+        let flags = archive.numbers("flags").unwrap_err().to_string();
+        assert!(
+            flags.contains("array `flags` holds elements of type") && flags.contains(".astype(float)"),
+            "{flags}"
+        );
+        let numbers = archive.texts("short").unwrap_err().to_string();
+        assert!(
+            numbers.contains("array `short`") && numbers.contains("expected text"),
+            "{numbers}"
+        );
+    }
 }

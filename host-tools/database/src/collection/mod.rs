@@ -13,6 +13,8 @@
 //! | `parameter_names` | (P,) | optional texts |
 //! | `length_unit`, `time_unit` | () | optional texts |
 
+#[cfg(test)]
+mod array_tests;
 mod arrays;
 mod closed;
 mod dtype;
@@ -131,9 +133,17 @@ impl Collection {
         };
         count("configurations", self.parameters.len(), field.len())?;
         for (j, snapshots) in field.iter().enumerate() {
-            count(&format!("instants in {}", self.place(j)), self.times.len(), snapshots.len())?;
+            count(
+                &format!("instants in {}", self.place(j)),
+                self.times.len(),
+                snapshots.len(),
+            )?;
             for (i, nodes) in snapshots.iter().enumerate() {
-                count(&format!("nodes in snapshot {i} of {}", self.place(j)), self.positions[0][0].len(), nodes.len())?;
+                count(
+                    &format!("nodes in snapshot {i} of {}", self.place(j)),
+                    self.positions[0][0].len(),
+                    nodes.len(),
+                )?;
                 if let Some(k) = nodes.as_flattened().iter().position(|x| !x.is_finite()) {
                     let (n, d) = (k / 3, k % 3);
                     return Err(DatabaseError::collection(format!(

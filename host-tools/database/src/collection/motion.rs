@@ -16,7 +16,8 @@ const OTHER_UNIT: f64 = 100.0;
 /// The farthest that a capsule may lie from the channel's axis, in mean radii.
 const OFF_AXIS: f64 = 100.0;
 
-const UNWRAP: &str = "expected the unwrapped positions of one capsule: add the period of the domain to the nodes that left it";
+const UNWRAP: &str =
+    "expected the unwrapped positions of one capsule: add the period of the domain to the nodes that left it";
 
 /// A snapshot as a whole.
 struct Body {
@@ -49,7 +50,10 @@ pub(super) fn check(collection: &Collection, mesh: &Mesh) -> Result<(), Database
         radii.push(bodies[0].radius);
     }
     let middle = median(&mut radii.clone());
-    match radii.iter().position(|r| !(middle / OTHER_UNIT..=middle * OTHER_UNIT).contains(r)) {
+    match radii
+        .iter()
+        .position(|r| !(middle / OTHER_UNIT..=middle * OTHER_UNIT).contains(r))
+    {
         None => Ok(()),
         Some(j) => Err(DatabaseError::collection(format!(
             "`positions`: {} has the mean radius {}, the median of all is {}; expected all in the same unit of length",
@@ -66,7 +70,10 @@ impl Body {
         let origin = positions[0];
         let relative = |x: &[f64; 3]| [x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]];
         let mut scaled: Vec<[f64; 3]> = positions.iter().map(relative).collect();
-        let extent = scaled.as_flattened().iter().fold(0.0, |extent: f64, x| extent.max(x.abs()));
+        let extent = scaled
+            .as_flattened()
+            .iter()
+            .fold(0.0, |extent: f64, x| extent.max(x.abs()));
         if extent > 0.0 {
             scaled.as_flattened_mut().iter_mut().for_each(|x| *x /= extent);
         }
@@ -97,7 +104,8 @@ impl Configuration<'_> {
         DatabaseError::collection(format!("`positions` of {place} at t = {time} (snapshot {i}): {what}"))
     }
 
-    /// No edge is longer than the mean diameter, unless the mesh is as coarse as that.
+    /// No edge is longer than the mean diameter, unless the mesh is as coarse as that. The volume of a surface that is torn
+    /// apart is any number, so the diameter is of the least one.
     fn edges(&self, edges: &[[u32; 2]]) -> Result<(), DatabaseError> {
         let radii = self.bodies.iter().map(|body| body.radius.abs());
         let diameter = 2.0 * radii.fold(f64::INFINITY, f64::min);
@@ -106,14 +114,17 @@ impl Configuration<'_> {
                 let [a, b] = [a, b].map(|node| positions[*node as usize]);
                 (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
             };
-            let lengths: Vec<f64> = edges.iter().map(length).collect();
+            let mut lengths: Vec<f64> = edges.iter().map(length).collect();
             let longest = (0..lengths.len()).max_by(|e, f| lengths[*e].total_cmp(&lengths[*f]));
-            let Some((longest, [a, b])) = longest.map(|e| (lengths[e], edges[e])) else { continue };
-            if longest > diameter && longest > 2.0 * median(&mut lengths.clone()) {
-                let (longest, diameter) = (rounded(longest), rounded(diameter));
+            let Some((longest, [a, b])) = longest.map(|e| (lengths[e], edges[e])) else {
+                continue;
+            };
+            let half = median(&mut lengths);
+            if longest > diameter && longest > 2.0 * half {
+                let (longest, half) = (rounded(longest), rounded(half));
                 return Err(self.fault(
                     i,
-                    &format!("edge ({a}, {b}) has the length {longest}, more than the mean diameter {diameter}; {UNWRAP}"),
+                    &format!("edge ({a}, {b}) has the length {longest}, half of all are shorter than {half}; {UNWRAP}"),
                 ));
             }
         }
@@ -139,14 +150,19 @@ impl Configuration<'_> {
         for (i, body) in self.bodies.iter().enumerate() {
             if !(FLAT..).contains(&body.fullness) {
                 let found = body.volume();
-                return Err(self.fault(i, &format!("the surface encloses the volume {found}, expected a body; {UNWRAP}")));
+                return Err(self.fault(
+                    i,
+                    &format!("the surface encloses the volume {found}, expected a body; {UNWRAP}"),
+                ));
             }
             if !(first.radius / SWOLLEN..=first.radius * SWOLLEN).contains(&body.radius) {
                 let (found, start) = (body.volume(), first.volume());
                 let factor = SWOLLEN.powi(3);
                 return Err(self.fault(
                     i,
-                    &format!("the volume is {found}, at the start {start}; expected the same within a factor of {factor}"),
+                    &format!(
+                        "the volume is {found}, at the start {start}; expected the same within a factor of {factor}"
+                    ),
                 ));
             }
         }
@@ -168,11 +184,20 @@ impl Configuration<'_> {
                 return Err(self.fault(i, &what));
             }
         }
-        let steps: Vec<f64> = self.bodies.windows(2).map(|pair| pair[1].centre[0] - pair[0].centre[0]).collect();
+        let steps: Vec<f64> = self
+            .bodies
+            .windows(2)
+            .map(|pair| pair[1].centre[0] - pair[0].centre[0])
+            .collect();
         for (i, step) in steps.iter().enumerate() {
             // The steps before and after; at an end the two next to it.
             let first = i.saturating_sub(1).min(steps.len().saturating_sub(3));
-            let neighbours = steps.iter().enumerate().skip(first).take(3).filter(|(other, _)| *other != i);
+            let neighbours = steps
+                .iter()
+                .enumerate()
+                .skip(first)
+                .take(3)
+                .filter(|(other, _)| *other != i);
             let against = neighbours.filter(|(_, other)| step * **other < 0.0 && step.abs() > other.abs());
             if step.abs() > 2.0 * radius && against.count() == 2 {
                 let step = rounded(*step);
@@ -184,10 +209,19 @@ impl Configuration<'_> {
     }
 }
 
-/// The edges between corners of a closed surface: each is a rising one of just one triangle.
+/// The edges of a closed surface, of quadratic triangles their halves. Each edge is a rising one of just one triangle.
 fn edges(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let sides = mesh.elements.iter().flat_map(|e| [[e[0], e[1]], [e[1], e[2]], [e[2], e[0]]]);
-    sides.filter(|[a, b]| a < b).collect()
+    let mut edges = Vec::new();
+    for element in &mesh.elements {
+        for [from, to, middle] in [[0, 1, 3], [1, 2, 4], [2, 0, 5]].map(|side| side.map(|k| element[k])) {
+            if from < to && Mesh::is_flat(element) {
+                edges.push([from, to]);
+            } else if from < to {
+                edges.extend([[from, middle], [middle, to]]);
+            }
+        }
+    }
+    edges
 }
 
 fn median(values: &mut [f64]) -> f64 {
@@ -198,4 +232,97 @@ fn median(values: &mut [f64]) -> f64 {
 /// A measured number to four digits.
 fn rounded(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::tests::octahedral;
+
+    type Node = [f64; 3];
+
+    /// An ellipsoid of the volume of the unit sphere that travels along x at the speed 1.5, three configurations; `change`
+    /// is done to each node of the last one, by its number and instant.
+    fn moving(change: impl Fn(Node, usize, f64) -> Node) -> Result<Collection, String> {
+        let mesh = octahedral(4);
+        let times: Vec<f64> = (0..9).map(|i| 0.5 * f64::from(i)).collect();
+        let at = |j: usize, n: usize, t: f64| {
+            let ([x, y, z], s) = (mesh.nodes[n], 1.0 + 0.1 * t.min(1.0) * j as f64);
+            let node = [1.5 * t + x * s, y / s, z];
+            if j == 2 { change(node, n, t) } else { node }
+        };
+        let snapshot = |j, t| (0..mesh.nodes.len()).map(|n| at(j, n, t)).collect();
+        let collection = Collection::new(Collection {
+            parameter_names: vec!["flow".to_owned()],
+            length_unit: None,
+            time_unit: None,
+            parameters: vec![vec![0.0], vec![0.5], vec![1.0]],
+            positions: (0..3)
+                .map(|j| times.iter().map(|t| snapshot(j, *t)).collect())
+                .collect(),
+            velocities: Vec::new(),
+            elements: mesh.elements.clone(),
+            times,
+        });
+        collection.map_err(|error| error.to_string())
+    }
+
+    fn refused(change: impl Fn(Node, usize, f64) -> Node, words: &[&str]) {
+        let error = moving(change).expect_err("refused");
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    }
+
+    const LAST: &str = "configuration 2 (flow = 1)";
+
+    #[test]
+    fn any_unit_and_any_origin_along_the_channel_will_do() {
+        for unit in [1e-140, 1e-6, 1.0, 1e90] {
+            let mut collection = moving(|node, _, _| node).unwrap();
+            let nodes = collection.positions.iter_mut().flatten().flatten();
+            nodes.for_each(|node| *node = [unit * (node[0] + 1e4), unit * node[1], unit * node[2]]);
+            Collection::new(collection).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_periodic_domain_must_be_unwrapped() {
+        // Whole nodes that leave [-1.5, 1.5] come in again at the other end.
+        let wrap = |x: f64| x - 3.0 * ((x + 1.5) / 3.0).floor();
+        refused(
+            |[x, y, z], _, _| [wrap(x), y, z],
+            &["`positions`", LAST, "t = 0.5 (snapshot 1)", "edge (", "unwrapped"],
+        );
+        // A single node, and the capsule as a whole once its centre is out.
+        refused(
+            |[x, y, z], n, t| [x - if n == 7 && t == 1.0 { 9.0 } else { 0.0 }, y, z],
+            &[LAST, "snapshot 2", "7"],
+        );
+        let whole = |[x, y, z]: Node, _, t: f64| [x - if t > 1.2 { 6.0 } else { 0.0 }, y, z];
+        refused(whole, &[LAST, "t = 1.5 (snapshot 3)", "jumped by -5.25"]);
+        let early = |[x, y, z]: Node, _, t: f64| [x - if t > 0.2 { 6.0 } else { 0.0 }, y, z];
+        refused(early, &["t = 0.5 (snapshot 1)", "jumped by -5.25"]);
+    }
+
+    #[test]
+    fn a_motion_back_and_forth_is_no_jump() {
+        moving(|[x, y, z], _, t| [x - 1.5 * t + 6.0 * (1.3 * t).sin(), y, z]).unwrap();
+    }
+
+    #[test]
+    fn volumes_must_be_positive_and_alike() {
+        let grown = |t: f64| 1.0 + 0.3 * t;
+        moving(|node, _, t| node.map(|x| x * grown(t.min(2.0)))).unwrap();
+        refused(
+            |node, _, t| node.map(|x| x * grown(t)),
+            &[LAST, "t = 3.5 (snapshot 7)", "factor of 8"],
+        );
+        let inward = |[x, y, z]: Node, _, t: f64| if t == 2.0 { [x, y, -z] } else { [x, y, z] };
+        refused(inward, &[LAST, "t = 2 (snapshot 4)", "volume -4.18"]);
+        refused(|[x, y, _], _, t| [x, y, 0.1 * t], &[LAST, "snapshot 0", "volume 0"]);
+        refused(
+            |node, _, _| node.map(|x| 1e-3 * x),
+            &[LAST, "same unit of length", "9.997e-4"],
+        );
+        refused(|[x, y, z], _, _| [x, y, z + 150.0], &[LAST, "z = 150", "axis"]);
+    }
 }

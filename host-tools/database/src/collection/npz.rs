@@ -20,7 +20,8 @@ pub(crate) struct Archive {
 impl Archive {
     pub(crate) fn open(path: &Path) -> Result<Self, DatabaseError> {
         let mut reader = Reader::open(path)?;
-        let names = reader.names()?;
+        let mut names = reader.names()?;
+        names.sort_unstable();
         Ok(Self { reader, names })
     }
 

@@ -63,7 +63,10 @@ pub(super) fn values(names: &[String], rows: &[Vec<f64>]) -> Result<(), Database
     let mut same = Vec::new();
     for (d, name) in names.iter().enumerate() {
         let column = || rows.iter().map(|row| row[d]);
-        let [least, greatest] = [column().fold(f64::INFINITY, f64::min), column().fold(f64::NEG_INFINITY, f64::max)];
+        let [least, greatest] = [
+            column().fold(f64::INFINITY, f64::min),
+            column().fold(f64::NEG_INFINITY, f64::max),
+        ];
         if rows.len() > 1 && greatest - least <= SAME * least.abs().max(greatest.abs()) {
             return Err(DatabaseError::collection(format!(
                 "`parameters`: `{name}` is {} in all configurations, expected one that varies: leave column {d} out",
@@ -86,7 +89,10 @@ pub(super) fn values(names: &[String], rows: &[Vec<f64>]) -> Result<(), Database
 
 /// `flow = 0.4, size = 2`
 pub(super) fn listed(names: &[String], row: &[f64]) -> String {
-    let pairs = names.iter().zip(row).map(|(name, value)| format!("{name} = {}", number(*value)));
+    let pairs = names
+        .iter()
+        .zip(row)
+        .map(|(name, value)| format!("{name} = {}", number(*value)));
     pairs.collect::<Vec<_>>().join(", ")
 }
 
@@ -96,5 +102,64 @@ pub(super) fn number(value: f64) -> String {
         value.to_string()
     } else {
         format!("{value:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(names: &[&str], rows: &[&[f64]], words: &[&str]) {
+        let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+        let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+        let error = super::names(&names)
+            .and_then(|()| values(&names, &rows))
+            .unwrap_err()
+            .to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    }
+
+    #[test]
+    fn names_of_any_language_and_sign_are_accepted() {
+        let odd = ["Q, flow", "a=b", "größe \"µ\"", "流れ"].map(str::to_owned);
+        names(&odd).unwrap();
+        names(&["x".repeat(64)]).unwrap();
+    }
+
+    #[test]
+    fn names_that_cannot_be_asked_for_are_named() {
+        refused(&["flow", ""], &[], &["`parameter_names[1]`", "empty"]);
+        refused(&["flow", "size", "flow"], &[], &["names 0 and 2", "`flow`"]);
+        refused(&["fl\now"], &[], &["`parameter_names[0]`", "`fl\\now`", "control"]);
+        refused(&[&"x".repeat(65)], &[], &["`parameter_names[0]`", "65 bytes", "64"]);
+    }
+
+    #[test]
+    fn values_that_separate_nothing_are_named() {
+        refused(
+            &["flow"],
+            &[&[1.0], &[f64::NAN]],
+            &["`parameters[1, 0]`", "`flow`", "NaN"],
+        );
+        refused(&["flow"], &[&[1.0], &[2.0, 3.0]], &["row 1", "2 numbers", "expected 1"]);
+        refused(
+            &["flow", "size"],
+            &[&[1.0, 0.3], &[2.0, 0.1 + 0.2]],
+            &["`size` is 0.3 in all", "column 1"],
+        );
+        let rows: [&[f64]; 3] = [&[1e-30, 5e29], &[2e-30, 5e29], &[1e-30, 5e29]];
+        refused(&["flow", "size"], &rows[..2], &["`size` is 5e29 in all"]);
+        let rows: [&[f64]; 4] = [&[1e-30, 1.3e30], &[2e-30, 5e29], &[0.0, 5e29], &[1e-30, 1.2e30 + 1e29]];
+        refused(
+            &["flow", "size"],
+            &rows,
+            &["rows 0 and 3", "flow = 1e-30, size = 1.3e30"],
+        );
+    }
+
+    #[test]
+    fn small_ranges_on_a_large_offset_separate() {
+        let names = ["temperature".to_owned()];
+        values(&names, &[vec![10_000.0], vec![10_000.2], vec![10_000.4]]).unwrap();
     }
 }
