@@ -125,9 +125,16 @@ impl Reader {
 
     /// The names of all arrays.
     pub(crate) fn names(&mut self) -> Result<Vec<String>, DatabaseError> {
-        self.archive.names().map_err(|error| DatabaseError::Corrupt {
-            path: self.path.clone(),
-            reason: error.to_string(),
+        let path = self.path.clone();
+        self.archive.names().map_err(|error| match error {
+            ReadNpzError::Zip(ZipError::UnsupportedArchive(reason)) => DatabaseError::Malformed {
+                path,
+                reason: format!("{reason}; expected a file of numpy.savez or numpy.savez_compressed"),
+            },
+            other => DatabaseError::Corrupt {
+                path,
+                reason: other.to_string(),
+            },
         })
     }
 

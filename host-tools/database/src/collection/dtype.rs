@@ -88,28 +88,26 @@ fn real(name: &str) -> Option<Decoder<f64>> {
     })
 }
 
-/// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of which NumPy
-/// sets none. Other platforms keep other formats under the same name. Their numbers do not look like this: the exponent of
-/// IEEE quadruple precision (ARM) lies in the last two bytes, where x86 has zeros or the top of an address in user space,
-/// and a pair of doubles (PowerPC) lacks the leading one.
-pub(crate) fn extended(bytes: &[u8]) -> Decoded<f64> {
+/// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of anything.
+/// Other platforms keep other formats under the same name: IEEE quadruple precision (ARM), pairs of doubles (PowerPC). But
+/// for a few round numbers those lack the leading one here, or are beyond all `f64`, so nearly every array shows it.
+fn extended(bytes: &[u8]) -> Decoded<f64> {
     const OTHER: &str = "long doubles of another platform than x86: `.astype(float)` there converts them";
     let (significand, rest) = bytes.split_first_chunk::<8>().ok_or(OTHER)?;
-    let (high, padding) = rest.split_first_chunk::<2>().ok_or(OTHER)?;
+    let (high, _) = rest.split_first_chunk::<2>().ok_or(OTHER)?;
     let (significand, high) = (u64::from_le_bytes(*significand), u16::from_le_bytes(*high));
     let exponent = i32::from(high & 0x7fff);
-    let normal = significand >> 63 == 1 && exponent > 0;
-    if !(normal || (significand == 0 && exponent == 0)) || !padding.ends_with(&[0, 0]) {
-        return Err(OTHER);
-    }
-    let magnitude = match (exponent, significand << 1) {
-        (0x7fff, 0) => f64::INFINITY,
-        (0x7fff, _) => f64::NAN,
-        _ => {
-            // Two factors: a single power of two may be beyond f64 where the number is not.
-            let power = (exponent - 16383 - 63).clamp(-2000, 2000);
+    let magnitude = match (exponent, significand >> 63) {
+        (0, _) if significand == 0 => 0.0,
+        (0x7fff, 1) if significand << 1 == 0 => f64::INFINITY,
+        (0x7fff, 1) => f64::NAN,
+        // The exponents of f64 with those of its subnormal numbers; two factors, as a power of two may be beyond f64 where
+        // the number is not.
+        (15300..=17406, 1) => {
+            let power = exponent - 16383 - 63;
             significand as f64 * 2f64.powi(power / 2) * 2f64.powi(power - power / 2)
         }
+        _ => return Err(OTHER),
     };
     Ok(if high >> 15 == 1 { -magnitude } else { magnitude })
 }
@@ -231,18 +229,27 @@ pub(crate) mod tests {
             let digits = format!("{text}3767f07f0000");
             std::array::from_fn(|k| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16).unwrap())
         };
-        // As numpy.longdouble writes 0.1, -2.5, 1e-310, 1e400, -1e-4900, nan.
-        let words = ["cdccccccccccccccfb3f", "00000000000000a000c0", "a37e5831875b4493f93b"].map(word);
-        assert_eq!(words.map(|word| extended(&word).unwrap()), [0.1, -2.5, 1e-310]);
-        let words = ["e6f99fcbc83f76da2f45", "7229f6ba56dfb4bb6980", "00000000000000000000"].map(word);
-        assert_eq!(words.map(|word| extended(&word).unwrap()), [f64::INFINITY, 0.0, 0.0]);
+        // As numpy.longdouble writes 0.1, -2.5, 1e-310, the greatest f64, 0, nan.
+        let words = [
+            "cdccccccccccccccfb3f",
+            "00000000000000a000c0",
+            "a37e5831875b4493f93b",
+            "00f8fffffffffffffe43",
+        ];
+        assert_eq!(
+            words.map(|text| extended(&word(text)).unwrap()),
+            [0.1, -2.5, 1e-310, f64::MAX]
+        );
+        assert_eq!(extended(&word("00000000000000000000")).unwrap(), 0.0);
         assert!(extended(&word("00000000000000c0ff7f")).unwrap().is_nan());
-        // 1 as IEEE quadruple precision of ARM, and as a pair of doubles of PowerPC.
-        let mut quadruple = [0; 16];
-        quadruple[14..].copy_from_slice(&[0xff, 0x3f]);
-        let mut pair = [0; 16];
-        pair[..8].copy_from_slice(&1f64.to_le_bytes());
-        for other in [quadruple, pair] {
+        // 0.1 and 1/3 as IEEE quadruple precision of ARM, and 0.1 as a pair of doubles of PowerPC.
+        let others = [
+            "00000000000000a0999999999999fb3f",
+            "0000000000000050555555555555fd3f",
+            "9a9999999999b93f0000000000000000",
+        ];
+        for other in others {
+            let other: [u8; 16] = std::array::from_fn(|k| u8::from_str_radix(&other[2 * k..2 * k + 2], 16).unwrap());
             assert!(extended(&other).unwrap_err().contains("another platform"));
         }
     }

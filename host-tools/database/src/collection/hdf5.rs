@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use ndarray::{ArrayD, IxDyn};
-use rust_hdf5::{ByteOrder, DatatypeMessage, H5Dataset, H5File, Hdf5Error};
+use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, Hdf5Error};
 
 use super::arrays::Arrays;
-use super::dtype::extended;
 use crate::DatabaseError;
 
 /// The filters that are read, by their registered numbers: gzip, shuffle, Fletcher's checksum, szip, n-bit, scale-offset,
@@ -114,17 +113,6 @@ impl Arrays for Archive {
                 let integers = dataset.read_numeric_as::<u64>().map_err(unread)?;
                 integers.into_iter().map(|x| x as f64).collect()
             }
-            DatatypeMessage::FloatingPoint {
-                size: 16,
-                byte_order: ByteOrder::LittleEndian,
-                exponent_size: 15,
-                mantissa_size: 64,
-                ..
-            } => {
-                let bytes = dataset.read_raw_bytes().map_err(unread)?;
-                let numbers: Result<Vec<f64>, _> = bytes.chunks_exact(16).map(extended).collect();
-                numbers.map_err(|reason| self.malformed(name, &format!("holds {reason}")))?
-            }
             DatatypeMessage::FloatingPoint { size: 2 | 4 | 8, .. } => {
                 dataset.read_numeric_as::<f64>().map_err(unread)?
             }
@@ -155,6 +143,7 @@ fn words(error: &Hdf5Error) -> String {
     let layers = [
         "hdf5-io error: ",
         "format error: ",
+        "I/O error: ",
         "invalid state: ",
         "type mismatch: ",
         "unsupported: ",

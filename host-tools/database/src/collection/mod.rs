@@ -12,6 +12,8 @@
 //! | `velocities` | as `positions` | optional; else the derivative of a spline through the positions |
 //! | `parameter_names` | (P,) | optional texts |
 //! | `length_unit`, `time_unit` | () | optional texts |
+//!
+//! [`Collection::new`] checks what both kinds must be: one closed surface that moves.
 
 #[cfg(test)]
 mod array_tests;
@@ -59,7 +61,8 @@ impl Collection {
     /// Reads a `.npz`, `.h5` or `.hdf5` file, or a folder of VTU series.
     ///
     /// # Errors
-    /// What is missing, misshapen or not finite, by the array's name and with the shape that was expected.
+    /// What is missing, misshapen, of another type or not finite, with the file, the array and what was expected; what
+    /// [`Collection::new`] refuses.
     pub fn read(path: &Path) -> Result<Self, DatabaseError> {
         if path.is_dir() {
             return series::read(path).map_err(|error| error.read_from(path));

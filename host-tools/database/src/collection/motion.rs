@@ -79,7 +79,7 @@ impl Body {
         }
         let mean = |d: usize| scaled.iter().map(|x| x[d]).sum::<f64>() / scaled.len() as f64;
         let centre = [0, 1, 2].map(|d| origin[d] + extent * mean(d));
-        let (fullness, _) = mesh.volume_and_centroid(&scaled)?;
+        let fullness = volume(mesh, &scaled)?;
         Ok(Self {
             radius: extent * (0.75 / std::f64::consts::PI * fullness).cbrt(),
             fullness,
@@ -148,12 +148,10 @@ impl Configuration<'_> {
             )));
         }
         for (i, body) in self.bodies.iter().enumerate() {
-            if !(FLAT..).contains(&body.fullness) {
-                let found = body.volume();
-                return Err(self.fault(
-                    i,
-                    &format!("the surface encloses the volume {found}, expected a body; {UNWRAP}"),
-                ));
+            if body.fullness <= FLAT {
+                let (found, flat) = (body.volume(), body.fullness >= -FLAT);
+                let expected = if flat { "expected a body" } else { UNWRAP };
+                return Err(self.fault(i, &format!("the surface encloses the volume {found}; {expected}")));
             }
             if !(first.radius / SWOLLEN..=first.radius * SWOLLEN).contains(&body.radius) {
                 let (found, start) = (body.volume(), first.volume());
@@ -224,6 +222,24 @@ fn edges(mesh: &Mesh) -> Vec<[u32; 2]> {
     edges
 }
 
+/// The volume that a closed surface encloses. Its triangles are all flat, or all quadratic.
+fn volume(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<f64, DatabaseError> {
+    if !Mesh::is_flat(&mesh.elements[0]) {
+        return Ok(mesh.volume_and_centroid(positions)?.0);
+    }
+    // The tetrahedra from the origin: the same as the quadrature's value, at a fraction of its time.
+    let tetrahedron = |element: &[u32; 6]| {
+        let [a, b, c] = [0, 1, 2].map(|k| positions[element[k] as usize]);
+        let normal = [
+            b[1] * c[2] - b[2] * c[1],
+            b[2] * c[0] - b[0] * c[2],
+            b[0] * c[1] - b[1] * c[0],
+        ];
+        (a[0] * normal[0] + a[1] * normal[1] + a[2] * normal[2]) / 6.0
+    };
+    Ok(mesh.elements.iter().map(tetrahedron).sum())
+}
+
 fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
@@ -282,6 +298,24 @@ mod tests {
             nodes.for_each(|node| *node = [unit * (node[0] + 1e4), unit * node[1], unit * node[2]]);
             Collection::new(collection).unwrap();
         }
+    }
+
+    #[test]
+    fn the_volume_of_a_flat_mesh_is_that_of_the_quadrature() {
+        let quadratic = octahedral(4);
+        let flat = |&[a, b, c, ..]: &[u32; 6]| [a, b, c, a, b, c];
+        let mesh = Mesh {
+            elements: quadratic.elements.iter().map(flat).collect(),
+            nodes: quadratic.nodes,
+        };
+        let positions: Vec<Node> = mesh
+            .nodes
+            .iter()
+            .map(|[x, y, z]| [2.0 * x + 0.3, y + 0.1 * x * x, *z])
+            .collect();
+        let (expected, _) = mesh.volume_and_centroid(&positions).unwrap();
+        let found = volume(&mesh, &positions).unwrap();
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
     }
 
     #[test]

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use ndarray::ArrayD;
 use ndarray_npy::{ReadNpyError, ReadNpzError, ReadableElement};
-use zip::result::ZipError;
 
 use super::arrays::Arrays;
 use super::dtype::{Real, Text, described};
@@ -44,10 +43,6 @@ impl Archive {
             ReadNpzError::Npy(ReadNpyError::ParseData(error)) => DatabaseError::Malformed {
                 path,
                 reason: format!("array `{name}`: {error}"),
-            },
-            ReadNpzError::Zip(ZipError::UnsupportedArchive(reason)) => DatabaseError::Malformed {
-                path,
-                reason: format!("array `{name}`: {reason}; expected a file of numpy.savez or numpy.savez_compressed"),
             },
             other => DatabaseError::Corrupt {
                 path,
