@@ -15,8 +15,8 @@ struct Side {
 /// The triangles at each edge, by its nodes, the lower one first.
 type Edges = BTreeMap<[u32; 2], Vec<Side>>;
 
-/// Checks that each edge belongs to two triangles, which run along it in opposite directions and share its middle node, that
-/// no triangle is degenerate or there twice, and that all nodes are on one connected surface.
+/// Checks that each edge belongs to two triangles, which run along it in opposite directions and share its middle node,
+/// that no triangle is degenerate or there twice, and that all nodes are on one connected surface.
 ///
 /// # Errors
 /// The first fault, with the numbers of its elements, edges and nodes.
@@ -89,16 +89,16 @@ fn check_edge([a, b]: [u32; 2], sides: &[Side]) -> Result<(), String> {
     let (e, f) = (one.element, two.element);
     if one.rising == two.rising {
         return Err(format!(
-            "`elements`: elements {e} and {f} run along edge ({a}, {b}) in the same direction: one is turned over; expected \
-             the nodes of all counter-clockwise seen from outside"
+            "`elements`: elements {e} and {f} run along edge ({a}, {b}) in the same direction: one is turned over; \
+             expected the nodes of all counter-clockwise seen from outside"
         ));
     }
     if one.middle != two.middle {
         let named = |middle: Option<u32>| middle.map_or("none".to_owned(), |node| format!("node {node}"));
         let [first, second] = [one, two].map(|side| named(side.middle));
         return Err(format!(
-            "`elements`: the mid-edge node of edge ({a}, {b}) is {first} in element {e} and {second} in element {f}, expected \
-             the same"
+            "`elements`: the mid-edge node of edge ({a}, {b}) is {first} in element {e} and {second} in element {f}, \
+             expected the same"
         ));
     }
     Ok(())
@@ -144,7 +144,7 @@ fn check_parts(mesh: &Mesh, edges: &Edges) -> Result<(), String> {
     match reached.iter().position(|reached| !reached) {
         None => Ok(()),
         Some(e) => Err(format!(
-            "`elements`: no edges lead from element 0 to element {e}: the surface is in several parts, expected one capsule"
+            "`elements`: no edges lead from element 0 to element {e}: the surface is in several parts, expected one"
         )),
     }
 }

@@ -88,9 +88,10 @@ fn real(name: &str) -> Option<Decoder<f64>> {
     })
 }
 
-/// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of anything.
-/// Other platforms keep other formats under the same name: IEEE quadruple precision (ARM), pairs of doubles (PowerPC). But
-/// for a few round numbers those lack the leading one here, or are beyond all `f64`, so nearly every array shows it.
+/// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of
+/// anything. Other platforms keep other formats under the same name: IEEE quadruple precision (ARM), pairs of doubles
+/// (PowerPC). But for a few round numbers those lack the leading one here, or are beyond all `f64`, so nearly every array
+/// shows it.
 fn extended(bytes: &[u8]) -> Decoded<f64> {
     const OTHER: &str = "long doubles of another platform than x86: `.astype(float)` there converts them";
     let (significand, rest) = bytes.split_first_chunk::<8>().ok_or(OTHER)?;
@@ -101,8 +102,8 @@ fn extended(bytes: &[u8]) -> Decoded<f64> {
         (0, _) if significand == 0 => 0.0,
         (0x7fff, 1) if significand << 1 == 0 => f64::INFINITY,
         (0x7fff, 1) => f64::NAN,
-        // The exponents of f64 with those of its subnormal numbers; two factors, as a power of two may be beyond f64 where
-        // the number is not.
+        // The exponents of f64 with those of its subnormal numbers; two factors, as a power of two may be beyond f64
+        // where the number is not.
         (15300..=17406, 1) => {
             let power = exponent - 16383 - 63;
             significand as f64 * 2f64.powi(power / 2) * 2f64.powi(power - power / 2)
@@ -122,8 +123,8 @@ fn utf8(bytes: &[u8]) -> Decoded<String> {
     String::from_utf8(bytes.to_vec()).map_err(|_| "the text is not UTF-8: `.astype(str)` with its encoding")
 }
 
-/// Decodes `len` elements of `width` bytes, after reversing each group of `swapped` bytes. Memory grows with the data that
-/// are there, not with the length that a damaged header claims.
+/// Decodes `len` elements of `width` bytes, after reversing each group of `swapped` bytes. Memory grows with the data
+/// that are there, not with the length that a damaged header claims.
 fn decoded<T>(
     mut reader: impl Read,
     len: usize,

@@ -8,8 +8,8 @@ use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, Hdf5Error};
 use super::arrays::Arrays;
 use crate::DatabaseError;
 
-/// The filters that are read, by their registered numbers: gzip, shuffle, Fletcher's checksum, szip, n-bit, scale-offset,
-/// LZF.
+/// The filters that are read, by their registered numbers: gzip, shuffle, Fletcher's checksum, szip, n-bit,
+/// scale-offset, LZF.
 const FILTERS: [u16; 7] = [1, 2, 3, 4, 5, 6, 32000];
 
 /// Filters that h5py users meet and that are not read.

@@ -78,14 +78,14 @@ impl Collection {
         collection.map_err(|error| error.read_from(path))
     }
 
-    /// A collection of given parts; velocities that are not there (an empty list) are derived from the positions. Names and
-    /// units lose the blanks around them.
+    /// A collection of given parts; velocities that are not there (an empty list) are derived from the positions. Names
+    /// and units lose the blanks around them.
     ///
     /// # Errors
-    /// [`DatabaseError::BadCollection`] for what does not fit, by name: names that are empty, alike or longer than 64 bytes;
-    /// parameters that do not vary, or rows alike; instants that do not rise from 0; fields of other shapes than `[N_c][N_t][N_x]`
-    /// or with numbers that are not finite; elements that are not one closed surface; snapshots in which it has no plausible
-    /// volume, or that are no continuous motion.
+    /// [`DatabaseError::BadCollection`] for what does not fit, by name: names that are empty, alike or longer than 64
+    /// bytes; parameters that do not vary, or rows alike; instants that do not rise from 0; fields of other shapes than
+    /// `[N_c][N_t][N_x]` or with numbers that are not finite; elements that are not one closed surface; snapshots in which
+    /// it has no plausible volume, or that are no continuous motion.
     pub fn new(parts: Self) -> Result<Self, DatabaseError> {
         let trimmed = |text: &String| text.trim().to_owned();
         let unit = |text: Option<String>| text.as_ref().map(trimmed).filter(|text| !text.is_empty());
@@ -96,13 +96,12 @@ impl Collection {
             ..parts
         };
         collection.check_axes()?;
+        collection.check_field("positions", &collection.positions)?;
         if collection.velocities.is_empty() {
-            collection.check_field("positions", &collection.positions)?;
             let derivative = spline::Derivative::new(&collection.times);
             let all = collection.positions.iter();
             collection.velocities = all.map(|positions| derivative.of(positions)).collect();
         }
-        collection.check_field("positions", &collection.positions)?;
         collection.check_field("velocities", &collection.velocities)?;
         let mesh = Mesh {
             nodes: collection.positions[0][0].clone(),
@@ -187,8 +186,8 @@ impl Collection {
         let (volume, _) = mesh.volume_and_centroid(&mesh.nodes)?;
         if volume.is_nan() || volume <= 0.0 {
             return Err(DatabaseError::collection(
-                "`positions`: the mean of the first snapshots of all configurations encloses no volume; expected the same \
-                 orientation of the mesh in all",
+                "`positions`: the mean of the first snapshots of all configurations encloses no volume; expected the \
+                 same orientation of the mesh in all",
             ));
         }
         Ok((mesh, (0.75 * volume / std::f64::consts::PI).cbrt()))

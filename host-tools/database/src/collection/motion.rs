@@ -4,7 +4,7 @@ use super::Collection;
 use super::parameters::number;
 use crate::{DatabaseError, Mesh};
 
-/// The least volume, as a share of the cube of the surface's extent: an ellipsoid a thousand times as long as wide.
+/// The least volume, as a share of the cube of the surface's extent: that of an ellipsoid 700 times as long as wide.
 const FLAT: f64 = 1e-6;
 
 /// The most that the mean radius may change within a configuration, as a factor: swelling and bursting are within it.
@@ -17,7 +17,7 @@ const OTHER_UNIT: f64 = 100.0;
 const OFF_AXIS: f64 = 100.0;
 
 const UNWRAP: &str =
-    "expected the unwrapped positions of one capsule: add the period of the domain to the nodes that left it";
+    "expected one capsule of the same nodes throughout, with unwrapped positions where the domain is periodic";
 
 /// A snapshot as a whole.
 struct Body {
@@ -29,7 +29,8 @@ struct Body {
     centre: [f64; 3],
 }
 
-/// Checks that in all snapshots the surface encloses a plausible volume and hangs together, and that it moves without jumps.
+/// Checks that in all snapshots the surface encloses a plausible volume and hangs together, and that it moves without
+/// jumps.
 ///
 /// # Errors
 /// [`DatabaseError::BadCollection`] with the configuration, the instant and the nodes.
@@ -44,6 +45,7 @@ pub(super) fn check(collection: &Collection, mesh: &Mesh) -> Result<(), Database
             j,
             bodies: &bodies,
         };
+        check.bodies()?;
         check.edges(&edges)?;
         check.volumes()?;
         check.path()?;
@@ -104,8 +106,16 @@ impl Configuration<'_> {
         DatabaseError::collection(format!("`positions` of {place} at t = {time} (snapshot {i}): {what}"))
     }
 
-    /// No edge is longer than the mean diameter, unless the mesh is as coarse as that. The volume of a surface that is torn
-    /// apart is any number, so the diameter is of the least one.
+    /// No snapshot is flat.
+    fn bodies(&self) -> Result<(), DatabaseError> {
+        match self.bodies.iter().position(|body| body.fullness.abs() <= FLAT) {
+            None => Ok(()),
+            Some(i) => Err(self.fault(i, "the surface encloses no volume, expected a body")),
+        }
+    }
+
+    /// No edge is longer than the mean diameter, unless the mesh is as coarse as that. The volume of a surface that is
+    /// torn apart is any number, so the diameter is of the least one.
     fn edges(&self, edges: &[[u32; 2]]) -> Result<(), DatabaseError> {
         let radii = self.bodies.iter().map(|body| body.radius.abs());
         let diameter = 2.0 * radii.fold(f64::INFINITY, f64::min);
@@ -134,24 +144,23 @@ impl Configuration<'_> {
     /// All volumes are positive, and alike.
     fn volumes(&self) -> Result<(), DatabaseError> {
         let first = &self.bodies[0];
-        if first.fullness < -FLAT {
+        if first.radius < 0.0 {
             let turned = if Mesh::is_flat(&self.collection.elements[0]) {
                 "elements[:, ::-1]"
             } else {
                 "elements[:, [0, 2, 1, 5, 4, 3]]"
             };
             return Err(DatabaseError::collection(format!(
-                "`elements`: the surface is inside out: it encloses the volume {} in {}; expected the nodes of each triangle \
-                 counter-clockwise seen from outside: `{turned}` turns them over",
+                "`elements`: the surface is inside out: it encloses the volume {} in {}; expected the nodes of each \
+                 triangle counter-clockwise seen from outside: `{turned}` turns them over",
                 first.volume(),
                 self.collection.place(self.j)
             )));
         }
         for (i, body) in self.bodies.iter().enumerate() {
-            if body.fullness <= FLAT {
-                let (found, flat) = (body.volume(), body.fullness >= -FLAT);
-                let expected = if flat { "expected a body" } else { UNWRAP };
-                return Err(self.fault(i, &format!("the surface encloses the volume {found}; {expected}")));
+            if body.radius < 0.0 {
+                let found = body.volume();
+                return Err(self.fault(i, &format!("the surface encloses the volume {found}; {UNWRAP}")));
             }
             if !(first.radius / SWOLLEN..=first.radius * SWOLLEN).contains(&body.radius) {
                 let (found, start) = (body.volume(), first.volume());
@@ -167,8 +176,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// The centre stays near the channel's axis, and does not move back by more than a diameter in one step of a forward
-    /// motion.
+    /// The centre stays near the channel's axis, and does not move back by more than a diameter in one step of a
+    /// forward motion.
     fn path(&self) -> Result<(), DatabaseError> {
         let radius = self.bodies[0].radius;
         for (i, Body { centre, .. }) in self.bodies.iter().enumerate() {
@@ -176,8 +185,8 @@ impl Configuration<'_> {
                 let [y, z] = [centre[1], centre[2]].map(rounded);
                 let radius = rounded(radius);
                 let what = format!(
-                    "the centre lies at y = {y}, z = {z}, more than {OFF_AXIS} mean radii ({radius}) from the channel's axis \
-                     y = z = 0; expected coordinates from the axis"
+                    "the centre lies at y = {y}, z = {z}, more than {OFF_AXIS} mean radii ({radius}) from the \
+                     channel's axis y = z = 0; expected coordinates from the axis"
                 );
                 return Err(self.fault(i, &what));
             }
@@ -257,8 +266,8 @@ mod tests {
 
     type Node = [f64; 3];
 
-    /// An ellipsoid of the volume of the unit sphere that travels along x at the speed 1.5, three configurations; `change`
-    /// is done to each node of the last one, by its number and instant.
+    /// An ellipsoid of the volume of the unit sphere that travels along x at the speed 1.5, three configurations;
+    /// `change` is done to each node of the last one, by its number and instant.
     fn moving(change: impl Fn(Node, usize, f64) -> Node) -> Result<Collection, String> {
         let mesh = octahedral(4);
         let times: Vec<f64> = (0..9).map(|i| 0.5 * f64::from(i)).collect();
@@ -324,7 +333,7 @@ mod tests {
         let wrap = |x: f64| x - 3.0 * ((x + 1.5) / 3.0).floor();
         refused(
             |[x, y, z], _, _| [wrap(x), y, z],
-            &["`positions`", LAST, "t = 0.5 (snapshot 1)", "edge (", "unwrapped"],
+            &["`positions`", LAST, "t = 0.5 (snapshot 1)", "edge (", "periodic"],
         );
         // A single node, and the capsule as a whole once its centre is out.
         refused(
@@ -352,7 +361,7 @@ mod tests {
         );
         let inward = |[x, y, z]: Node, _, t: f64| if t == 2.0 { [x, y, -z] } else { [x, y, z] };
         refused(inward, &[LAST, "t = 2 (snapshot 4)", "volume -4.18"]);
-        refused(|[x, y, _], _, t| [x, y, 0.1 * t], &[LAST, "snapshot 0", "volume 0"]);
+        refused(|[x, y, _], _, t| [x, y, 0.1 * t], &[LAST, "snapshot 0", "no volume"]);
         refused(
             |node, _, _| node.map(|x| 1e-3 * x),
             &[LAST, "same unit of length", "9.997e-4"],

@@ -43,8 +43,8 @@ pub(super) fn names(names: &[String]) -> Result<(), DatabaseError> {
     Ok(())
 }
 
-/// Refuses rows that are not of one number a name, numbers that are not finite, parameters that do not vary, and two rows
-/// alike.
+/// Refuses rows that are not of one number a name, numbers that are not finite, parameters that do not vary, and two
+/// rows alike.
 pub(super) fn values(names: &[String], rows: &[Vec<f64>]) -> Result<(), DatabaseError> {
     for (j, row) in rows.iter().enumerate() {
         if row.len() != names.len() {
