@@ -43,7 +43,11 @@ impl ReadableElement for Text {
             _ => return Err(wrong()),
         };
         let characters: usize = name[1..].parse().map_err(|_| wrong())?;
-        let width = characters.checked_mul(unit).ok_or_else(wrong)?;
+        // A damaged header may claim any width and count; no memory is taken for what is not there.
+        if characters > BLOCK || (characters == 0 && len > BLOCK) {
+            return Err(wrong());
+        }
+        let width = characters * unit;
         if width == 0 {
             return Ok((0..len).map(|_| Self(String::new())).collect());
         }
@@ -90,8 +94,8 @@ fn real(name: &str) -> Option<Decoder<f64>> {
 
 /// A long double of x86: 64 bits of significand with its leading one, 15 of exponent, the sign, and six bytes of
 /// anything. Other platforms keep other formats under the same name: IEEE quadruple precision (ARM), pairs of doubles
-/// (PowerPC). But for a few round numbers those lack the leading one here, or are beyond all `f64`, so nearly every array
-/// shows it.
+/// (PowerPC). But for a few round numbers those lack the leading one here, or are beyond all `f64`, so nearly every
+/// array shows it.
 fn extended(bytes: &[u8]) -> Decoded<f64> {
     const OTHER: &str = "long doubles of another platform than x86: `.astype(float)` there converts them";
     let (significand, rest) = bytes.split_first_chunk::<8>().ok_or(OTHER)?;
@@ -281,6 +285,8 @@ pub(crate) mod tests {
         assert_eq!(texts("'|S3'", "()", b"um\0").unwrap(), ["um"]);
         assert_eq!(texts("'<U0'", "(1,)", b"").unwrap(), [""]);
         assert!(texts("'|S3'", "(1,)", b"\xb5m\0").unwrap_err().contains("UTF-8"));
+        assert!(texts("'<U0'", "(9999999999999,)", b"").is_err());
+        assert!(texts("'<U9999999999999'", "(1,)", b"").is_err());
         assert!(
             texts("'<U1'", "(1,)", &[0, 0, 0xff, 0])
                 .unwrap_err()

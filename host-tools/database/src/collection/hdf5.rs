@@ -116,7 +116,11 @@ impl Arrays for Archive {
             DatatypeMessage::FloatingPoint { size: 2 | 4 | 8, .. } => {
                 dataset.read_numeric_as::<f64>().map_err(unread)?
             }
-            other => return Err(self.wrong(name, "real numbers", &other, ".astype(float)")),
+            other => {
+                let flags = matches!(other, DatatypeMessage::Enum { .. });
+                let remedy = if flags { ".astype(int)" } else { ".astype(float)" };
+                return Err(self.wrong(name, "real numbers", &other, remedy));
+            }
         };
         let (shape, count) = (dataset.shape(), values.len());
         let reason = format!("holds {count} numbers, which do not fill its shape");
@@ -259,7 +263,7 @@ mod tests {
         assert_eq!(archive.texts("names").unwrap(), ["größe", "流れ"]);
         let flags = archive.numbers("flags").unwrap_err().to_string();
         assert!(
-            flags.contains("array `flags` holds elements of type") && flags.contains(".astype(float)"),
+            flags.contains("array `flags` holds elements of type") && flags.contains(".astype(int)"),
             "{flags}"
         );
         let numbers = archive.texts("short").unwrap_err().to_string();

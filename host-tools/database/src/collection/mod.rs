@@ -84,8 +84,8 @@ impl Collection {
     /// # Errors
     /// [`DatabaseError::BadCollection`] for what does not fit, by name: names that are empty, alike or longer than 64
     /// bytes; parameters that do not vary, or rows alike; instants that do not rise from 0; fields of other shapes than
-    /// `[N_c][N_t][N_x]` or with numbers that are not finite; elements that are not one closed surface; snapshots in which
-    /// it has no plausible volume, or that are no continuous motion.
+    /// `[N_c][N_t][N_x]` or with numbers that are not finite; elements that are not one closed surface; snapshots in
+    /// which it has no plausible volume, or that are no continuous motion.
     pub fn new(parts: Self) -> Result<Self, DatabaseError> {
         let trimmed = |text: &String| text.trim().to_owned();
         let unit = |text: Option<String>| text.as_ref().map(trimmed).filter(|text| !text.is_empty());
@@ -164,8 +164,8 @@ impl Collection {
         format!("configuration {j} ({parameters})")
     }
 
-    /// The mesh in the mean initial shape of all configurations, in the centroid's frame, and the radius of the sphere of
-    /// the same volume.
+    /// The mesh in the mean initial shape of all configurations, in the centroid's frame, and the radius of the sphere
+    /// of the same volume.
     ///
     /// # Errors
     /// [`DatabaseError::BadCollection`] where the initial shapes differ so much that their mean encloses no volume.
