@@ -94,7 +94,7 @@ pub enum DatabaseError {
         expected: String,
     },
     /// An array has the wrong shape.
-    #[error("{}: array `{name}` has shape {found:?}, expected {expected}", path.display())]
+    #[error("{}: array `{name}` has shape {}, expected {expected}", path.display(), tuple(found))]
     WrongShape {
         /// The file.
         path: PathBuf,
@@ -119,13 +119,11 @@ pub enum DatabaseError {
         /// What was found and what was expected.
         reason: String,
     },
-    /// Two configurations have the same parameters.
-    #[error("`parameters`: rows {first} and {second} are the same; expected different ones")]
-    SameParameters {
-        /// The one.
-        first: usize,
-        /// The other.
-        second: usize,
+    /// A collection does not hold what it should.
+    #[error("{reason}")]
+    BadCollection {
+        /// The array, the place in it, what was found and what was expected.
+        reason: String,
     },
     /// An array has the wrong element type.
     #[error("{}: array `{name}` has elements of type {found}, expected {expected}", path.display())]
@@ -186,7 +184,7 @@ pub enum DatabaseError {
         reason: String,
     },
     /// The database holds no such configuration.
-    #[error("{}: no snapshots of configuration {parameters:?}", path.display())]
+    #[error("{}: no snapshots of configuration {}", path.display(), tuple(parameters))]
     UnknownConfiguration {
         /// The directory.
         path: PathBuf,
@@ -215,10 +213,33 @@ impl DatabaseError {
         }
     }
 
+    /// What is wrong with a collection.
+    pub(crate) fn collection(reason: impl Into<String>) -> Self {
+        DatabaseError::BadCollection { reason: reason.into() }
+    }
+
+    /// The same of a collection that was read from a file or folder.
+    pub(crate) fn read_from(self, path: &Path) -> Self {
+        match self {
+            DatabaseError::BadCollection { reason } => DatabaseError::Malformed {
+                path: path.to_path_buf(),
+                reason,
+            },
+            other => other,
+        }
+    }
+
     pub(crate) fn json(path: &Path) -> impl FnOnce(serde_json::Error) -> Self {
         let path = path.to_path_buf();
         move |source| DatabaseError::Json { path, source }
     }
+}
+
+/// Numbers as Python writes a tuple of them: a shape, a configuration.
+pub(crate) fn tuple(numbers: &[impl ToString]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+    let comma = if numbers.len() == 1 { "," } else { "" };
+    format!("({}{comma})", numbers.join(", "))
 }
 
 /// Refuses the first number of `values` that is not finite.

@@ -125,9 +125,16 @@ impl Reader {
 
     /// The names of all arrays.
     pub(crate) fn names(&mut self) -> Result<Vec<String>, DatabaseError> {
-        self.archive.names().map_err(|error| DatabaseError::Corrupt {
-            path: self.path.clone(),
-            reason: error.to_string(),
+        let path = self.path.clone();
+        self.archive.names().map_err(|error| match error {
+            ReadNpzError::Zip(ZipError::UnsupportedArchive(reason)) => DatabaseError::Malformed {
+                path,
+                reason: format!("{reason}; expected a file of numpy.savez or numpy.savez_compressed"),
+            },
+            other => DatabaseError::Corrupt {
+                path,
+                reason: other.to_string(),
+            },
         })
     }
 
@@ -244,7 +251,7 @@ mod tests {
             .to_string();
         assert!(error.contains("`positions` of shape (2, N, 3) is missing"), "{error}");
         let error = reader.vector::<f64>("times", Some(3)).unwrap_err().to_string();
-        assert!(error.contains("`times` has shape [2], expected (3,)"), "{error}");
+        assert!(error.contains("`times` has shape (2,), expected (3,)"), "{error}");
         let error = reader.vector::<u8>("times", None).unwrap_err().to_string();
         assert!(
             error.contains("`times` has elements of type") && error.contains("expected u8"),

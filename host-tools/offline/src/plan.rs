@@ -136,17 +136,15 @@ impl Surfaces {
         }
         let count = last + 1;
         let thin = |fields: &[Vec<Vec<[f64; 3]>>]| fields.iter().map(|run| every(&run[..count], stride)).collect();
-        let velocities = if self.derived {
-            Vec::new()
-        } else {
-            thin(&self.collection.velocities)
-        };
-        let collection = Collection::new(Collection {
+        let mut collection = Collection {
             times: every(&self.collection.times[..count], stride),
             positions: thin(&self.collection.positions),
-            velocities,
+            velocities: thin(&self.collection.velocities),
             ..self.collection.clone()
-        })?;
+        };
+        if self.derived {
+            collection.velocities = collection.derived_velocities();
+        }
         let surfaces = Surfaces {
             collection,
             ..self.clone()

@@ -3,20 +3,33 @@
 use ndarray::ArrayD;
 use std::path::Path;
 
-use super::{Collection, MAX_PARAMETERS, check_times, elements, numbered};
+use super::{Collection, MAX_PARAMETERS, elements, numbered};
 use crate::DatabaseError;
-use crate::error::{finite, length};
+use crate::error::tuple;
 
 /// Named arrays in a file.
 pub(crate) trait Arrays {
     /// The file.
     fn path(&self) -> &Path;
-    /// Whether there is an array of that name.
-    fn has(&self, name: &str) -> bool;
-    /// The numbers of an array of any numeric type, if there is one.
+    /// The names of all arrays.
+    fn names(&self) -> &[String];
+    /// The numbers of an array of any numeric type.
     fn numbers(&mut self, name: &str) -> Result<ArrayD<f64>, DatabaseError>;
     /// The texts of an array.
     fn texts(&mut self, name: &str) -> Result<Vec<String>, DatabaseError>;
+
+    /// Whether there is an array of that name.
+    fn has(&self, name: &str) -> bool {
+        self.names().iter().any(|known| known == name)
+    }
+
+    /// An error of this file.
+    fn malformed(&self, reason: String) -> DatabaseError {
+        DatabaseError::Malformed {
+            path: self.path().to_path_buf(),
+            reason,
+        }
+    }
 }
 
 /// Reads a collection.
@@ -24,24 +37,22 @@ pub(crate) fn collection(arrays: &mut impl Arrays) -> Result<Collection, Databas
     let parameters = required(arrays, "parameters", &["N", "1 to 4"])?;
     let [configurations, dimensions] = [0, 1].map(|axis| parameters.shape()[axis]);
     let times = required(arrays, "times", &["N"])?;
-    let counts = [configurations, times.len()].map(|count| count.to_string());
-    let shape = [&counts[0], &counts[1], "N", "3"];
-    let positions = required(arrays, "positions", &shape)?;
-    let nodes = positions.shape()[2];
+    let [configurations, instants] = [configurations, times.len()].map(|count| count.to_string());
     let triangles = required(arrays, "elements", &["N", "3 or 6"])?;
-
-    let times: Vec<f64> = times.iter().copied().collect();
-    check_times(&times)?;
+    let positions = fields(&required(arrays, "positions", &[&configurations, &instants, "N", "3"])?);
+    let nodes = positions[0][0].len();
     let velocities = if arrays.has("velocities") {
         let nodes = nodes.to_string();
-        fields(&required(arrays, "velocities", &[&counts[0], &counts[1], &nodes, "3"])?)
+        fields(&required(
+            arrays,
+            "velocities",
+            &[&configurations, &instants, &nodes, "3"],
+        )?)
     } else {
         Vec::new()
     };
     let parameter_names = if arrays.has("parameter_names") {
-        let names = arrays.texts("parameter_names")?;
-        length("texts in `parameter_names`", dimensions, names.len())?;
-        names
+        texts(arrays, "parameter_names", dimensions)?
     } else {
         numbered(dimensions)
     };
@@ -52,9 +63,9 @@ pub(crate) fn collection(arrays: &mut impl Arrays) -> Result<Collection, Databas
         length_unit: length_unit?,
         time_unit: time_unit?,
         parameters: parameters.rows().into_iter().map(|row| row.to_vec()).collect(),
-        times,
+        times: times.iter().copied().collect(),
         elements: elements(&indices, triangles.shape()[1], nodes)?,
-        positions: fields(&positions),
+        positions,
         velocities,
     })
 }
@@ -63,36 +74,48 @@ fn unit(arrays: &mut impl Arrays, name: &str) -> Result<Option<String>, Database
     if !arrays.has(name) {
         return Ok(None);
     }
-    let texts = arrays.texts(name)?;
-    length(&format!("texts in `{name}`"), 1, texts.len())?;
-    Ok(texts.into_iter().next())
+    Ok(texts(arrays, name, 1)?.pop())
 }
 
-/// An array of finite numbers with a shape: each length is a number, `N` for any but 0, or a choice in words.
+fn texts(arrays: &mut impl Arrays, name: &str, expected: usize) -> Result<Vec<String>, DatabaseError> {
+    let texts = arrays.texts(name)?;
+    match texts.len() {
+        found if found == expected => Ok(texts),
+        found => Err(arrays.malformed(format!("array `{name}` holds {found} texts, expected {expected}"))),
+    }
+}
+
+/// An array of numbers with a shape: each length is a number, `N` for any but 0, or a choice in words.
 fn required(arrays: &mut impl Arrays, name: &str, shape: &[&str]) -> Result<ArrayD<f64>, DatabaseError> {
     let comma = if shape.len() == 1 { "," } else { "" };
     let expected = format!("({}{comma})", shape.join(", "));
-    let (path, name) = (arrays.path().to_path_buf(), name.to_owned());
-    if !arrays.has(&name) {
-        return Err(DatabaseError::MissingArray { path, name, expected });
+    if !arrays.has(name) {
+        let held: Vec<String> = arrays.names().iter().take(12).map(|name| format!("`{name}`")).collect();
+        let held = if held.is_empty() {
+            "no array".to_owned()
+        } else {
+            held.join(", ")
+        };
+        return Err(arrays.malformed(format!(
+            "array `{name}` of shape {expected} is missing; the file holds {held}"
+        )));
     }
-    let array = arrays.numbers(&name)?;
+    let array = arrays.numbers(name)?;
     let fits = |(found, expected): (&usize, &&str)| match *expected {
         "N" => *found > 0,
         "1 to 4" => (1..=MAX_PARAMETERS).contains(found),
         "3 or 6" => [3, 6].contains(found),
         other => other == found.to_string(),
     };
-    if array.ndim() != shape.len() || !array.shape().iter().zip(shape).all(fits) {
-        return Err(DatabaseError::WrongShape {
-            path,
-            name,
-            expected,
-            found: array.shape().to_vec(),
-        });
+    let found = array.shape();
+    if found.len() == shape.len() && found.iter().zip(shape).all(fits) {
+        return Ok(array);
     }
-    finite(&format!("`{name}`"), array.iter())?;
-    Ok(array)
+    // MATLAB and Fortran write the axes the other way round.
+    let reversed = found.len() == shape.len() && found.iter().rev().zip(shape).all(fits);
+    let hint = if reversed { ": transpose it by `.T`" } else { "" };
+    let found = tuple(found);
+    Err(arrays.malformed(format!("array `{name}` has shape {found}, expected {expected}{hint}")))
 }
 
 /// `[N_c][N_t][N_x]` vectors of an array of shape (Nc, Nt, Nx, 3).

@@ -12,18 +12,23 @@
 //! | `velocities` | as `positions` | optional; else the derivative of a spline through the positions |
 //! | `parameter_names` | (P,) | optional texts |
 //! | `length_unit`, `time_unit` | () | optional texts |
+//!
+//! [`Collection::new`] checks what both kinds must be: one closed surface that moves.
 
+#[cfg(test)]
+mod array_tests;
 mod arrays;
+mod closed;
+mod dtype;
 mod hdf5;
+mod motion;
 mod npz;
+mod parameters;
 pub mod series;
 mod spline;
-#[cfg(test)]
-mod tests;
 
 use std::path::Path;
 
-use crate::error::{finite, length};
 use crate::{DatabaseError, Mesh, Status, Trajectory};
 
 /// The most parameters.
@@ -55,97 +60,120 @@ impl Collection {
     /// it stands in the files.
     ///
     /// # Errors
-    /// What is missing, misshapen or not finite, by the array's name and with the shape that was expected.
+    /// What is missing, misshapen, of another type or not finite, with the file, the array and what was expected; what
+    /// [`Collection::new`] refuses.
     pub fn read(path: &Path) -> Result<(Self, Vec<String>), DatabaseError> {
         if path.is_dir() {
-            return series::read(path);
+            return series::read(path).map_err(|error| error.read_from(path));
         }
-        let collection = match path.extension().and_then(|extension| extension.to_str()) {
+        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+        let collection = match extension.as_ref().and_then(|extension| extension.to_str()) {
             Some("npz") => arrays::collection(&mut npz::Archive::open(path)?),
             Some("h5" | "hdf5") => arrays::collection(&mut hdf5::Archive::open(path)?),
             _ => Err(DatabaseError::UnknownKind {
                 path: path.to_path_buf(),
             }),
         };
-        Ok((collection?, Vec::new()))
+        Ok((collection.map_err(|error| error.read_from(path))?, Vec::new()))
     }
 
-    /// A collection of given parts; velocities that are not there (an empty list) are derived from the positions.
+    /// A collection of given parts; velocities that are not there (an empty list) are derived from the positions. Names
+    /// and units lose the blanks around them.
     ///
     /// # Errors
-    /// What does not fit, by name.
+    /// [`DatabaseError::BadCollection`] for what does not fit, by name: names that are empty, alike or longer than 64
+    /// bytes; parameters that do not vary, or rows alike; instants that do not rise from 0; fields of other shapes than
+    /// `[N_c][N_t][N_x]` or with numbers that are not finite; elements that are not one closed surface; snapshots in
+    /// which it has no plausible volume, or that are no continuous motion.
     pub fn new(parts: Self) -> Result<Self, DatabaseError> {
-        let mut collection = parts;
-        check_times(&collection.times)?;
-        length(
-            "configurations in `positions`",
-            collection.parameters.len(),
-            collection.positions.len(),
-        )?;
-        if collection.positions.iter().flatten().next().is_none() {
-            return Err(DatabaseError::WrongLength {
-                what: "configurations in `positions`, at least".to_owned(),
-                expected: 1,
-                found: 0,
-            });
-        }
+        let trimmed = |text: &String| text.trim().to_owned();
+        let unit = |text: Option<String>| text.as_ref().map(trimmed).filter(|text| !text.is_empty());
+        let mut collection = Self {
+            parameter_names: parts.parameter_names.iter().map(trimmed).collect(),
+            length_unit: unit(parts.length_unit),
+            time_unit: unit(parts.time_unit),
+            ..parts
+        };
+        collection.check_axes()?;
+        collection.check_field("positions", &collection.positions)?;
         if collection.velocities.is_empty() {
-            let derivative = spline::Derivative::new(&collection.times);
-            let all = collection.positions.iter();
-            collection.velocities = all.map(|positions| derivative.of(positions)).collect();
+            collection.velocities = collection.derived_velocities();
         }
-        collection.validate()?;
+        collection.check_field("velocities", &collection.velocities)?;
+        let mesh = Mesh {
+            nodes: collection.positions[0][0].clone(),
+            elements: collection.elements.clone(),
+        };
+        mesh.validate()?;
+        closed::check(&mesh).map_err(DatabaseError::collection)?;
+        motion::check(&collection, &mesh)?;
         Ok(collection)
     }
 
-    fn validate(&self) -> Result<(), DatabaseError> {
-        length(
-            "`parameter_names`",
-            self.parameters[0].len(),
-            self.parameter_names.len(),
-        )?;
-        for (second, row) in self.parameters.iter().enumerate() {
-            length(
-                &format!("numbers in row {second} of `parameters`"),
-                self.parameter_names.len(),
-                row.len(),
-            )?;
-            if let Some(first) = self.parameters[..second].iter().position(|other| other == row) {
-                return Err(DatabaseError::SameParameters { first, second });
-            }
+    /// Checks names, units, parameters and instants.
+    fn check_axes(&self) -> Result<(), DatabaseError> {
+        let units = [("`length_unit`", &self.length_unit), ("`time_unit`", &self.time_unit)];
+        for (place, unit) in units {
+            unit.iter().try_for_each(|unit| parameters::text(place, unit))?;
         }
-        let mesh = Mesh {
-            nodes: self.positions[0][0].clone(),
-            elements: self.elements.clone(),
+        parameters::names(&self.parameter_names)?;
+        parameters::values(&self.parameter_names, &self.parameters)?;
+        check_times(&self.times)
+    }
+
+    /// Checks that a field has finite numbers for all configurations, instants and nodes, and at least one of each.
+    fn check_field(&self, name: &str, field: &[Vec<Vec<[f64; 3]>>]) -> Result<(), DatabaseError> {
+        let count = |what: &str, expected: usize, found: usize| match found {
+            found if found == expected && found > 0 => Ok(()),
+            _ => Err(DatabaseError::collection(format!(
+                "`{name}` has {found} {what}, expected {}",
+                expected.max(1)
+            ))),
         };
-        mesh.validate()?;
-        for configuration in 0..self.parameters.len() {
-            self.trajectory(configuration, &mesh)?.validate(mesh.nodes.len())?;
+        count("configurations", self.parameters.len(), field.len())?;
+        for (j, snapshots) in field.iter().enumerate() {
+            count(
+                &format!("instants in {}", self.place(j)),
+                self.times.len(),
+                snapshots.len(),
+            )?;
+            for (i, nodes) in snapshots.iter().enumerate() {
+                count(
+                    &format!("nodes in snapshot {i} of {}", self.place(j)),
+                    self.positions[0][0].len(),
+                    nodes.len(),
+                )?;
+                if let Some(k) = nodes.as_flattened().iter().position(|x| !x.is_finite()) {
+                    let (n, d) = (k / 3, k % 3);
+                    return Err(DatabaseError::collection(format!(
+                        "`{name}[{j}, {i}, {n}, {d}]` is {}, expected a finite number",
+                        nodes[n][d]
+                    )));
+                }
+            }
         }
         Ok(())
     }
 
-    /// The mesh in the mean initial shape of all configurations, in the centroid's frame, and the radius of the sphere of
-    /// the same volume.
+    /// A configuration in words: `configuration 3 (flow = 0.4, size = 2)`.
+    fn place(&self, j: usize) -> String {
+        let parameters = parameters::listed(&self.parameter_names, &self.parameters[j]);
+        format!("configuration {j} ({parameters})")
+    }
+
+    /// The mesh in the mean initial shape of all configurations, in the centroid's frame, and the radius of the sphere
+    /// of the same volume.
     ///
     /// # Errors
-    /// [`DatabaseError::BadMesh`] for a surface that encloses no volume, or is inside out.
+    /// [`DatabaseError::BadCollection`] where the initial shapes differ so much that their mean encloses no volume.
     pub fn reference(&self) -> Result<(Mesh, f64), DatabaseError> {
         let mut mesh = Mesh {
             nodes: vec![[0.0; 3]; self.positions[0][0].len()],
             elements: self.elements.clone(),
         };
         let share = 1.0 / self.positions.len() as f64;
-        for (configuration, positions) in self.positions.iter().enumerate() {
-            let (volume, centroid) = mesh.volume_and_centroid(&positions[0])?;
-            let radius = positions[0].as_flattened().iter().fold(0.0, |r: f64, x| r.max(x.abs()));
-            if volume.is_nan() || volume <= 1e-9 * radius.powi(3) {
-                let reason = format!(
-                    "`elements` enclose the volume {volume:e} in configuration {configuration}; expected a closed surface \
-                     with the nodes of each triangle counter-clockwise from outside"
-                );
-                return Err(DatabaseError::BadMesh { reason });
-            }
+        for positions in &self.positions {
+            let (_, centroid) = mesh.volume_and_centroid(&positions[0])?;
             for (node, position) in mesh.nodes.iter_mut().zip(&positions[0]) {
                 for d in 0..3 {
                     node[d] += share * (position[d] - if d == 0 { centroid } else { 0.0 });
@@ -153,6 +181,12 @@ impl Collection {
             }
         }
         let (volume, _) = mesh.volume_and_centroid(&mesh.nodes)?;
+        if volume.is_nan() || volume <= 0.0 {
+            return Err(DatabaseError::collection(
+                "`positions`: the mean of the first snapshots of all configurations encloses no volume; expected the \
+                 same orientation of the mesh in all",
+            ));
+        }
         Ok((mesh, (0.75 * volume / std::f64::consts::PI).cbrt()))
     }
 
@@ -174,13 +208,21 @@ impl Collection {
         })
     }
 
-    /// Whether the velocities are the derivative of the spline through the positions, as [`Collection::new`] computes it where none
-    /// are given.
+    /// The derivative of the spline through the positions, as [`Collection::new`] computes it where no velocities are given; like the
+    /// positions.
+    #[must_use]
+    pub fn derived_velocities(&self) -> Vec<Vec<Vec<[f64; 3]>>> {
+        let derivative = spline::Derivative::new(&self.times);
+        self.positions
+            .iter()
+            .map(|positions| derivative.of(positions))
+            .collect()
+    }
+
+    /// Whether the velocities are those.
     #[must_use]
     pub fn velocities_are_derived(&self) -> bool {
-        let derivative = spline::Derivative::new(&self.times);
-        let mut runs = self.positions.iter().zip(&self.velocities);
-        runs.all(|(positions, velocities)| derivative.of(positions) == *velocities)
+        self.derived_velocities() == self.velocities
     }
 
     /// Least and greatest value of each parameter.
@@ -216,22 +258,28 @@ impl Collection {
     }
 }
 
-/// Checks instants: at least two, rising from 0.
+/// Checks instants: at least two, rising from 0, none closer than 1e-9 of the last.
 pub(crate) fn check_times(times: &[f64]) -> Result<(), DatabaseError> {
-    finite("`times`", times)?;
-    if times.len() < 2 {
-        return Err(DatabaseError::WrongLength {
-            what: "instants in `times`, at least".to_owned(),
-            expected: 2,
-            found: times.len(),
-        });
+    let fault = |reason: String| Err(DatabaseError::collection(reason));
+    if let Some((i, time)) = times.iter().enumerate().find(|(_, time)| !time.is_finite()) {
+        return fault(format!("`times[{i}]` is {time}, expected a finite number"));
     }
-    let mut previous = 0.0;
-    for (index, &value) in times.iter().enumerate() {
-        if (index == 0 && value != 0.0) || (index > 0 && value <= previous) {
-            return Err(DatabaseError::TimesNotIncreasing { index, value, previous });
+    let [start, .., end] = times else {
+        let found = times.len();
+        return fault(format!("`times` holds {found} instants, expected at least 2"));
+    };
+    if *start != 0.0 {
+        return fault(format!(
+            "`times` must rise from 0, but start at {start}: `times - times[0]` counts from the start"
+        ));
+    }
+    for (i, pair) in times.windows(2).enumerate() {
+        if pair[1] - pair[0] <= 1e-9 * end.abs() {
+            let ([before, time], i) = ([pair[0], pair[1]], i + 1);
+            return fault(format!(
+                "`times` must rise from 0: `times[{i}]` is {time} after {before}, expected a later instant"
+            ));
         }
-        previous = value;
     }
     Ok(())
 }
@@ -240,11 +288,12 @@ pub(crate) fn check_times(times: &[f64]) -> Result<(), DatabaseError> {
 pub(crate) fn elements(values: &[f64], per_element: usize, nodes: usize) -> Result<Vec<[u32; 6]>, DatabaseError> {
     for (index, value) in values.iter().enumerate() {
         if !(*value >= 0.0 && *value < nodes as f64 && value.fract() == 0.0) {
-            let reason = format!(
-                "`elements`: value {index} is {value}, expected a node's index from 0 to {}",
-                nodes - 1
-            );
-            return Err(DatabaseError::BadMesh { reason });
+            let (e, k, last) = (index / per_element, index % per_element, nodes - 1);
+            let from_one = values.iter().all(|value| (1.0..=nodes as f64).contains(value));
+            let hint = if from_one { ": `elements - 1` counts from 0" } else { "" };
+            return Err(DatabaseError::collection(format!(
+                "`elements[{e}, {k}]` is {value}, expected the number of a node, from 0 to {last}{hint}"
+            )));
         }
     }
     let place = |k: usize| if k < per_element { k } else { k - 3 };
