@@ -474,3 +474,27 @@ proptest! {
         });
     }
 }
+
+/// As many samples as a cluster may hold, all but a few in one row: each is compared with the one before it alone, or this takes
+/// minutes.
+#[test]
+fn many_samples_of_one_row_are_opened_and_the_last_duplicate_is_found() {
+    let row = |count: u32| {
+        let ca = move |i: u32| 0.005 + 0.19 * f64::from(i) / f64::from(count);
+        let mut family = Family::small();
+        family.samples = (0..count).map(|i| [ca(i), 0.8]).chain((0..8).map(|i| [ca(i), 1.0])).collect();
+        family
+    };
+    let family = row(60_000);
+    let mut arena = Arena::default();
+    let mut contents = family.contents(&mut arena);
+    assert!(Model::open(&write(&contents)).is_ok());
+    let samples = MatrixView::new(&contents.clusters[0].samples.parameters);
+    let (first, second) = (59_998, 59_999);
+    let value = samples.get(first, 0);
+    contents.clusters[0].samples.parameters = changed(&contents.clusters[0].samples.parameters, 2 * second, value);
+    assert_eq!(
+        Model::open(&write(&contents)).unwrap_err(),
+        OpenError::DuplicateSample { first, second }
+    );
+}

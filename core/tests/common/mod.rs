@@ -518,7 +518,7 @@ pub fn distance<T: capsule_core::Real>(found: &[[T; 3]], exact: &[[f64; 3]]) -> 
 
 /// The model file of some contents.
 pub fn write(contents: &Contents<'_>) -> Vec<u8> {
-    let mut buffer = vec![0; 4 << 20];
+    let mut buffer = vec![0; 16 << 20];
     let length = encode(contents, &mut buffer).unwrap();
     buffer.truncate(length);
     buffer

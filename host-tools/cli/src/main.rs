@@ -22,6 +22,7 @@ mod progress;
 mod record;
 mod solver_options;
 mod source;
+mod study_bending;
 mod study_fresh;
 mod study_leave_one_out;
 mod study_report;
@@ -119,6 +120,8 @@ enum Study {
     LeaveOneOut(study_leave_one_out::Options),
     /// Compare the model with configurations that no sample shares
     Fresh(study_fresh::Options),
+    /// What the bending stiffness of the full-order model changes
+    Bending(study_bending::Options),
     /// Suggest the configurations to compute next
     Sample(study_sample::Options),
     /// How smooth the samples of a database are along its rows: the floor of a model's error
@@ -149,6 +152,7 @@ fn main() -> ExitCode {
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
         Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
+        Command::Study(Study::Bending(options)) => study_bending::run(&options),
         Command::Study(Study::Sample(options)) => study_sample::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Scenes(options)) => study_scenes::run(&options),

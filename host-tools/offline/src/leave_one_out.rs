@@ -55,7 +55,7 @@ pub fn leave_one_out<'a>(
         Ok(plan.cluster(reduced, &keep)?.parts)
     };
     let errors = each_left_out(&plan, &reduced, &anew, progress)?;
-    Ok((plan.error_times().to_vec(), errors))
+    Ok((plan.given_error_times(), errors))
 }
 
 /// A cluster, given by its number, without the sample at a place of it.

@@ -12,6 +12,7 @@
 //!
 //! Lengths are in l, velocities in V, times in l/V.
 
+mod bending;
 mod border;
 mod bound;
 mod build;
@@ -35,6 +36,7 @@ mod subsets;
 mod svd;
 mod writer;
 
+pub use bending::bending_effect;
 pub use border::Jump;
 pub use build::{BuildReport, ClusterReport, FieldReport, Source, build};
 pub use compare::{Comparison, compare};
