@@ -72,8 +72,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         )
     }
 
-    /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie. After a refusal no
-    /// query is prepared.
+    /// Prepares a query; nothing is done if it is the one already prepared. Says where the parameters lie. After a
+    /// refusal no query is prepared.
     ///
     /// # Errors
     /// Parameters that are not as many as the model's or not finite (Ca and a/l: not positive), or outside the domain
@@ -240,8 +240,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
 /// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps what the next
 /// may need.
 ///
-/// Outside the sampled domain (`extrapolate`) every answer waits for a check of the whole surface, once an instant: a shape that
-/// no capsule can have is refused with [`EvaluateError::WrongVolume`] or [`EvaluateError::BeyondWall`].
+/// Outside the sampled domain (`extrapolate`) every answer waits for a check of the whole surface, once an instant: a
+/// shape that no capsule can have is refused with [`EvaluateError::WrongVolume`] or [`EvaluateError::BeyondWall`].
 #[derive(Debug)]
 pub struct Instant<
     'e,
@@ -390,13 +390,14 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         Ok([volume, reach.get()])
     }
 
-    /// Takes the shape at this instant as it is, without the check that an extrapolated one waits for: to measure how wrong it
-    /// is.
+    /// Takes the shape at this instant as it is, without the check that an extrapolated one waits for: to measure how
+    /// wrong it is.
     pub fn unchecked(&mut self) {
         self.workspace.plausible = Some(self.t);
     }
 
-    /// Refuses an extrapolated shape that no capsule can have. Inside the domain the bound of the error says how good it is.
+    /// Refuses an extrapolated shape that no capsule can have. Inside the domain the bound of the error says how good
+    /// it is.
     fn plausible(&mut self) -> Result<(), EvaluateError> {
         /// What a volume may deviate by.
         const VOLUME: f32 = 0.02;
@@ -490,9 +491,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         Ok(Membrane::new(mesh, sector, confinement, capillary_number))
     }
 
-    /// Expected distance to the full-order solution in the laboratory frame, as a fraction of a: modified Hausdorff distance for
-    /// a capsule in the channel, mean distance of the nodes for other people's models ([`Reference::Shape`]). Outside the
-    /// sampled domain it is a guess that grows with the distance from the samples.
+    /// Expected distance to the full-order solution in the laboratory frame, as a fraction of a: modified Hausdorff
+    /// distance for a capsule in the channel, mean distance of the nodes for other people's models
+    /// ([`Reference::Shape`]). Outside the sampled domain it is a guess that grows with the distance from the samples.
     ///
     /// # Errors
     /// [`EvaluateError::NotFinite`].

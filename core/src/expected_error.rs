@@ -25,8 +25,9 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
 }
 
-/// What the interpolation in time adds between two stored instants, expected and at most: the errors in the middle of the
-/// interval, weighted by |L_j|, times 4 s (1 - s) with s the way from one instant to the other. 0 where none are stored.
+/// What the interpolation in time adds between two stored instants, expected and at most: the errors in the middle of
+/// the interval, weighted by |L_j|, times 4 s (1 - s) with s the way from one instant to the other. 0 where none are
+/// stored.
 pub(crate) fn interval_error<T: Real, const N: usize>(
     cluster: &Cluster<'_>,
     instants: &MatrixView<'_>,

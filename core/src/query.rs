@@ -15,8 +15,8 @@ pub struct Parameters<T> {
 }
 
 impl Parameters<f32> {
-    /// The parameters in a slice of doubles; none unless there are one to [`MAX_PARAMETERS`]. Their rounding to single precision
-    /// is kept beside them, so that values with a large offset (10000.2 in a range of 0.4) lose nothing:
+    /// The parameters in a slice of doubles; none unless there are one to [`MAX_PARAMETERS`]. Their rounding to single
+    /// precision is kept beside them, so that values with a large offset (10000.2 in a range of 0.4) lose nothing:
     ///
     /// ```
     /// use capsule_core::Parameters;
@@ -141,8 +141,8 @@ impl Scheme {
     }
 }
 
-/// Where parameters lie. Errors are calibrated [`Inside`](Self::Inside): everywhere else an answer is an extrapolation, its
-/// expected error a guess, and it has no bound.
+/// Where parameters lie. Errors are calibrated [`Inside`](Self::Inside): everywhere else an answer is an extrapolation,
+/// its expected error a guess, and it has no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// Within the sampled ranges and below the steady limit, where there is one.

@@ -345,9 +345,7 @@ fn wrong_indices_sets_and_settings_are_refused() {
             c.mesh.reference = SHAPE;
         }))
     };
-    other(
-        "points of the steady limit and of the effect of bending in a model that is not one of a capsule in the channel",
-    );
+    other("points of the steady limit and of the effect of bending outside the channel");
     index("parameter of the clusters")(refused(|c| c.split = 2));
     let setting = |error| assert!(matches!(error, OpenError::Setting { .. }), "{error}");
     setting(refused(|c| c.metadata.parameters[0].min = f64::NAN));
@@ -475,14 +473,17 @@ proptest! {
     }
 }
 
-/// As many samples as a cluster may hold, all but a few in one row: each is compared with the one before it alone, or this takes
-/// minutes.
+/// As many samples as a cluster may hold, all but a few in one row: each is compared with the one before it alone, or
+/// this takes minutes.
 #[test]
 fn many_samples_of_one_row_are_opened_and_the_last_duplicate_is_found() {
     let row = |count: u32| {
         let ca = move |i: u32| 0.005 + 0.19 * f64::from(i) / f64::from(count);
         let mut family = Family::small();
-        family.samples = (0..count).map(|i| [ca(i), 0.8]).chain((0..8).map(|i| [ca(i), 1.0])).collect();
+        family.samples = (0..count)
+            .map(|i| [ca(i), 0.8])
+            .chain((0..8).map(|i| [ca(i), 1.0]))
+            .collect();
         family
     };
     let family = row(60_000);

@@ -278,8 +278,8 @@ fn the_domain_of_too_few_or_too_many_parameters_is_refused() {
     assert_eq!(model.domain([0.1, 0.9, 0.9]), count(3));
 }
 
-/// The family's volume grows when it is extrapolated: it is refused where it is 2 % off or a node is beyond a wall, at every
-/// door, and answered before that, without a bound.
+/// The family's volume grows when it is extrapolated: it is refused where it is 2 % off or a node is beyond a wall, at
+/// every door, and answered before that, without a bound.
 #[test]
 fn an_impossible_extrapolated_shape_is_refused_at_every_door() {
     let family = Family::new(2);

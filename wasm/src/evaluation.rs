@@ -108,14 +108,15 @@ impl Evaluation {
         self.ask(|instant| instant.volume())
     }
 
-    /// Expected distance to the full-order model, laboratory frame, as a fraction of a. Outside the sampled domain it is a guess.
+    /// Expected distance to the full-order model, laboratory frame, as a fraction of a. Outside the sampled domain it
+    /// is a guess.
     #[wasm_bindgen(js_name = expectedError)]
     pub fn expected_error(&mut self) -> Result<f32, JsError> {
         self.ask(|instant| instant.expected_error())
     }
 
-    /// The bound that 95 % of the errors are below, like the expected error; undefined outside the sampled domain, where none is
-    /// calibrated.
+    /// The bound that 95 % of the errors are below, like the expected error; undefined outside the sampled domain,
+    /// where none is calibrated.
     #[wasm_bindgen(js_name = errorBound)]
     pub fn error_bound(&mut self) -> Result<Option<f32>, JsError> {
         self.ask(|instant| match instant.error_bound() {

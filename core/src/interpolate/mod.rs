@@ -256,8 +256,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// of that kernel (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 where the query is a sample that
     /// the weights return, and growing with the distance from the samples to the power 5/2 or 3/2.
     ///
-    /// Far outside the samples the variance is a small difference of numbers as large as the squares of the weights, and may
-    /// come out as anything, also negative: it counts as at least their rounding.
+    /// Far outside the samples the variance is a small difference of numbers as large as the squares of the weights,
+    /// and may come out as anything, also negative: it counts as at least their rounding.
     pub fn deviation(&self) -> T {
         let lebesgue = self.lebesgue();
         let rounding = T::from_f32(VARIANCE_ROUNDING) * (lebesgue * lebesgue - T::ONE);

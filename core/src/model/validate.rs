@@ -6,8 +6,8 @@ use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
 use crate::error::OpenError;
 use crate::linalg::LANES;
 
-/// Larger numbers have no meaning in any array of a model of a capsule in the channel, and could overflow what is computed
-/// from them.
+/// Larger numbers have no meaning in any array of a model of a capsule in the channel, and could overflow what is
+/// computed from them.
 const LARGEST: f32 = 1e6;
 /// The same for lengths of a model in its own units, in its radius.
 const LARGEST_IN_RADII: f64 = 1e9;
@@ -96,7 +96,7 @@ impl Judge {
         self.singles("effect of bending", effect);
         if !sphere {
             self.count(
-                "points of the steady limit and of the effect of bending in a model that is not one of a capsule in the channel",
+                "points of the steady limit and of the effect of bending outside the channel",
                 0,
                 limit.rows() + effect.rows as usize,
             );

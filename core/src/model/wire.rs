@@ -37,8 +37,8 @@ pub struct Contents<'a> {
     /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between. Empty
     /// where the parameters are not (Ca, a/l) of a capsule in the channel.
     pub steady_limit: Matrix<'a>,
-    /// Distances `[n, 3]` between the full-order solution and that without bending stiffness at some configurations: rows
-    /// (Ca, a/l, modified Hausdorff distance in profile at the end as a fraction of a). May be empty.
+    /// Distances `[n, 3]` between the full-order solution and that without bending stiffness at some configurations:
+    /// rows (Ca, a/l, modified Hausdorff distance in profile at the end as a fraction of a). May be empty.
     pub bending_effect: Matrix<'a>,
     /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l strictly
     /// rising; linear between, and no border beyond. May be empty.
@@ -91,8 +91,8 @@ pub struct Units<'a> {
 
 /// One parameter and the range in which the model was sampled.
 ///
-/// A model works with scaled parameters, (value - origin) / scale, so that values of any size and offset keep their digits. For
-/// a capsule in the channel they are Ca and a/l themselves.
+/// A model works with scaled parameters, (value - origin) / scale, so that values of any size and offset keep their
+/// digits. For a capsule in the channel they are Ca and a/l themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameter<'a> {
     /// Name, such as `capillary_number`.
@@ -178,8 +178,8 @@ pub struct Cluster<'a> {
     pub direct_errors: Errors<'a>,
     /// Leave-one-out errors of [`Method::Paper`].
     pub paper_errors: Errors<'a>,
-    /// `[N_c, N_t - 1]`: error of the interpolation in time in the middle of each interval of the stored instants, fraction of
-    /// a; or empty where the instants are so dense that it is negligible.
+    /// `[N_c, N_t - 1]`: error of the interpolation in time in the middle of each interval of the stored instants,
+    /// fraction of a; or empty where the instants are so dense that it is negligible.
     pub interval_errors: Matrix<'a>,
     /// `[N_t - 1, 1]`, or empty as they are: the 95 % bound of these errors as a multiple of them.
     pub interval_bound_factors: Matrix<'a>,
@@ -236,8 +236,9 @@ pub struct Span<'a> {
 /// Leave-one-out errors at the samples of a cluster, by one method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors<'a> {
-    /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`, in the laboratory frame, as a
-    /// fraction of a: modified Hausdorff distance for a capsule in the channel, mean distance of the nodes for
+    /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`, in the laboratory
+    /// frame, as a fraction of a: modified Hausdorff distance for a capsule in the channel, mean distance of the nodes
+    /// for
     /// [`Reference::Shape`].
     #[serde(borrow)]
     pub left_out: Matrix<'a>,
@@ -264,8 +265,8 @@ pub enum Method {
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u32,
-    /// Factor of each scaled parameter in the coordinates in which distances are taken; 1 beyond the last. With a steady limit
-    /// the coordinates are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l).
+    /// Factor of each scaled parameter in the coordinates in which distances are taken; 1 beyond the last. With a
+    /// steady limit the coordinates are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l).
     pub scales: [f64; MAX_PARAMETERS],
 }
 
@@ -274,7 +275,8 @@ pub struct Kernel {
 pub struct Paper {
     /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
     pub neighbours: u32,
-    /// Weight of each scaled parameter in the distance: (r, 1) for (Ca, a/l), eq. 27 with r on Ca, as Figure 5 shows it.
+    /// Weight of each scaled parameter in the distance: (r, 1) for (Ca, a/l), eq. 27 with r on Ca, as Figure 5 shows
+    /// it.
     pub scales: [f64; MAX_PARAMETERS],
     /// R as a multiple of the distance of the M-th sample; > 1, or that sample has no weight.
     pub radius: f64,

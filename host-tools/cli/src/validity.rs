@@ -19,7 +19,8 @@ pub fn errors_against(model: &Model<'_>) -> String {
     }
 }
 
-/// By how much the full-order model's bending stiffness changes its solution, at the nearest configuration for which that is known.
+/// By how much the full-order model's bending stiffness changes its solution, at the nearest configuration for which
+/// that is known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BendingEffect {
     ca: f32,
@@ -55,8 +56,8 @@ impl Display for BendingEffect {
         let percent = 100.0 * distance;
         write!(
             f,
-            "The bending stiffness changes the full-order solution by {percent:.2} % of a at Ca = {ca}, a/l = {confinement}, the \
-             nearest configuration for which that is known."
+            "The bending stiffness changes the full-order solution by {percent:.2} % of a at Ca = {ca}, \
+             a/l = {confinement}, the nearest configuration for which that is known."
         )
     }
 }

@@ -1,7 +1,7 @@
 //! The effect of the bending stiffness, where it has been computed: `bending.csv` beside the snapshots.
 //!
-//! The full-order model resists bending so that its solutions converge; the membrane that it stands for does not. The file says by
-//! how much the solution with the database's stiffness differs from that without.
+//! The full-order model resists bending so that its solutions converge; the membrane that it stands for does not. The
+//! file says by how much the solution with the database's stiffness differs from that without.
 
 use std::path::PathBuf;
 
@@ -16,8 +16,8 @@ pub struct BendingEffect {
     pub capillary_number: f64,
     /// a/l.
     pub confinement: f64,
-    /// Modified Hausdorff distance between the shapes with and without bending stiffness at the end, in the frame of the
-    /// centroid, as a fraction of a.
+    /// Modified Hausdorff distance between the shapes with and without bending stiffness at the end, in the frame of
+    /// the centroid, as a fraction of a.
     pub distance: f64,
 }
 

@@ -8,8 +8,9 @@ use crate::distance::Distance;
 use crate::hausdorff::Sector;
 use crate::samples::Truth;
 
-/// The modified Hausdorff distance at the end, in the frame of the centroid and as a fraction of a, between the solutions of two
-/// databases at the configurations that are steady in both: `without` holds those without bending stiffness.
+/// The modified Hausdorff distance at the end, in the frame of the centroid and as a fraction of a, between the
+/// solutions of two databases at the configurations that are steady in both: `without` holds those without bending
+/// stiffness.
 ///
 /// # Errors
 /// The databases' errors; [`OfflineError::WrongParameters`] where they are not over (Ca, a/l); another mesh.
@@ -24,7 +25,9 @@ pub fn bending_effect(database: &Database, without: &Database) -> Result<Vec<Ben
     let distance = Distance::ModifiedHausdorff(Sector::of(database.symmetry()));
     let steady = |database: &Database| -> Result<Vec<Entry>, OfflineError> {
         let entries = database.entries()?.into_iter();
-        Ok(entries.filter(|entry| entry.status.is_steady() && entry.snapshots > 0).collect())
+        Ok(entries
+            .filter(|entry| entry.status.is_steady() && entry.snapshots > 0)
+            .collect())
     };
     let known = steady(database)?;
     let both = |entry: &Entry| known.iter().any(|other| other.parameters == entry.parameters);
@@ -38,7 +41,12 @@ pub fn bending_effect(database: &Database, without: &Database) -> Result<Vec<Ben
             Ok(truth.iter().map(centred).next().unwrap_or_default())
         };
         let [capillary_number, confinement] = *entry.parameters.first_chunk().ok_or(OfflineError::WrongParameters {
-            found: without.description().parameters.iter().map(|p| p.name.clone()).collect(),
+            found: without
+                .description()
+                .parameters
+                .iter()
+                .map(|p| p.name.clone())
+                .collect(),
         })?;
         Ok(BendingEffect {
             capillary_number,

@@ -36,8 +36,8 @@ pub(crate) fn bound_factors(model: &Assembled) -> Result<[Vec<f64>; 2], OfflineE
     Ok([0, 1].map(|method| instants.clone().map(|instant| factor(method, instant)).collect()))
 }
 
-/// The bound of what interpolation in time adds, over what is expected, in the middle of each interval of a coarser model, whose
-/// samples hold out the instants there. All samples count alike.
+/// The bound of what interpolation in time adds, over what is expected, in the middle of each interval of a coarser
+/// model, whose samples hold out the instants there. All samples count alike.
 pub(crate) fn interval_bound_factors(coarser: &Assembled, cluster: usize) -> Result<Vec<f64>, OfflineError> {
     let parts = &coarser.built[cluster].parts;
     let truth = coarser.own_errors(cluster, Method::Direct, |sample| &sample.held_out)?;
@@ -55,8 +55,8 @@ pub(crate) fn interval_bound_factors(coarser: &Assembled, cluster: usize) -> Res
         .collect())
 }
 
-/// True over expected errors at the instants, with the part of the domain that each sample stands for: of each sample from
-/// the other rows alone, and from all.
+/// True over expected errors at the instants, with the part of the domain that each sample stands for: of each sample
+/// from the other rows alone, and from all.
 fn weighted_ratios(model: &Assembled) -> Result<Vec<(f64, Ratios)>, OfflineError> {
     let Assembled { plan, reduced, built } = model;
     let tasks: Vec<(usize, usize)> = reduced
@@ -140,8 +140,8 @@ fn parts_of_domain(plan: &Plan, models: &[Model<'_>], parameters: &[&[f64]]) -> 
 /// True over expected error at each of the instants, of each method.
 type Ratios = [Vec<f64>; 2];
 
-/// Those of a sample without each of its rows, the samples with the same value of a parameter: of a capsule in the channel the
-/// rows of confinements, of other people's data those of all parameters in which their samples lie in rows.
+/// Those of a sample without each of its rows, the samples with the same value of a parameter: of a capsule in the
+/// channel the rows of confinements, of other people's data those of all parameters in which their samples lie in rows.
 fn rows_left_out(
     plan: &Plan,
     cluster: &Reduced,

@@ -206,8 +206,8 @@ pub fn build<'a>(
     Ok((bytes, report))
 }
 
-/// Gives a model the errors at its samples, each left out (as far as that was done) and not, and those between its instants, which
-/// models of every other and every fourth of these tell.
+/// Gives a model the errors at its samples, each left out (as far as that was done) and not, and those between its
+/// instants, which models of every other and every fourth of these tell.
 fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assembled>; 3]) -> Result<(), OfflineError> {
     for cluster in 0..model.reduced.len() {
         for (m, method) in METHODS.into_iter().enumerate() {
@@ -235,8 +235,8 @@ fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assemb
     Ok(())
 }
 
-/// Gives a model the bounds of what it errs between its instants: as multiples of what is expected they are those of a model of
-/// every other instant.
+/// Gives a model the bounds of what it errs between its instants: as multiples of what is expected they are those of a
+/// model of every other instant.
 fn bound_intervals(model: &mut Assembled, coarser: Option<&Assembled>) -> Result<(), OfflineError> {
     let Some(coarser) = coarser else { return Ok(()) };
     let intervals = model.plan.times().len() - 1;

@@ -1,9 +1,10 @@
 //! What the interpolation in time leaves between the instants of other people's data.
 //!
-//! No snapshot says it. But a model of every other instant can be asked for those that were left out of it, and so can models of
-//! every fourth and every eighth: from one to the next the errors fall, and so they will to the whole model (Richardson). By how
-//! much is taken from all samples together, interval by interval, and the less of the last two falls counts (one alone may be
-//! chance): 16 where the motion is smooth, about 2 at a kink, and 1 where it is faster than the instants.
+//! No snapshot says it. But a model of every other instant can be asked for those that were left out of it, and so can
+//! models of every fourth and every eighth: from one to the next the errors fall, and so they will to the whole model
+//! (Richardson). By how much is taken from all samples together, interval by interval, and the less of the last two
+//! falls counts (one alone may be chance): 16 where the motion is smooth, about 2 at a kink, and 1 where it is faster
+//! than the instants.
 
 use capsule_core::model::wire::Method;
 
@@ -22,7 +23,8 @@ struct Coarse {
 }
 
 impl Coarse {
-    /// `errors` are those at the instants within each interval, equally many in all, one after the other; a row for each sample.
+    /// `errors` are those at the instants within each interval, equally many in all, one after the other; a row for
+    /// each sample.
     fn new(errors: &[Vec<f64>], within: usize) -> Self {
         let intervals = errors[0].len() / within;
         let sum = |interval: usize, place: usize| errors.iter().map(|row| row[interval * within + place]).sum::<f64>();
@@ -98,7 +100,8 @@ fn refined(intervals: usize, two: &Coarse, [four, eight]: [Option<Coarse>; 2]) -
         let before = fall(eight.sum(eight.around(interval, 4)), four.sum(wide));
         four.peak[wide] / last.min(before)
     };
-    // The middle of an interval may be where an error happens to change its sign: no sample errs by less than the mean of all.
+    // The middle of an interval may be where an error happens to change its sign: no sample errs by less than the mean
+    // of all.
     let error = |row: &Vec<f64>, interval: usize| {
         let wide = two.around(interval, 2);
         let mean = two.sum(wide) / two.middle.len() as f64;

@@ -25,8 +25,8 @@ pub struct LeftOut {
     pub inside: bool,
     /// The method.
     pub method: Method,
-    /// Distance in the laboratory frame at each instant of the errors, as a fraction of a: modified Hausdorff distance, or the mean
-    /// distance of the nodes of other people's data.
+    /// Distance in the laboratory frame at each instant of the errors, as a fraction of a: modified Hausdorff distance,
+    /// or the mean distance of the nodes of other people's data.
     pub laboratory: Vec<f64>,
     /// The same in the frame of the volume centroid: of the shape alone.
     pub shape: Vec<f64>,

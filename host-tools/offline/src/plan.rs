@@ -256,8 +256,8 @@ impl<'a> Plan<'a> {
         Self::of_surfaces(surfaces, mesh, scaling, settings, (units, digest), progress)
     }
 
-    /// The plan of a model of every `stride`-th instant, whose samples hold out those between; none where there are too few, and for
-    /// a database.
+    /// The plan of a model of every `stride`-th instant, whose samples hold out those between; none where there are too
+    /// few, and for a database.
     pub(crate) fn thinned(&self, stride: usize, progress: Progress) -> Result<Option<Self>, OfflineError> {
         let Some(all) = &self.surfaces else { return Ok(None) };
         let Some((surfaces, held_out)) = all.thinned(stride)? else {
@@ -451,8 +451,8 @@ impl<'a> Plan<'a> {
         )
     }
 
-    /// A quarter of the way of the nodes from each snapshot to the next, for each sample of a cluster: what interpolation may
-    /// err by at most where too few instants say more.
+    /// A quarter of the way of the nodes from each snapshot to the next, for each sample of a cluster: what
+    /// interpolation may err by at most where too few instants say more.
     pub(crate) fn quarter_steps(&self, cluster: usize) -> Result<Vec<Vec<f64>>, OfflineError> {
         let Some(surfaces) = &self.surfaces else {
             return Ok(Vec::new());

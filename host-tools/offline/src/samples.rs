@@ -225,8 +225,8 @@ fn truths(trajectory: Trajectory) -> Vec<Truth> {
     instants.map(truth).collect()
 }
 
-/// The configurations of other people's data in the working units, on their reference mesh; `given` are their parameters in
-/// the data's units.
+/// The configurations of other people's data in the working units, on their reference mesh; `given` are their
+/// parameters in the data's units.
 ///
 /// # Errors
 /// The database's errors.

@@ -1,6 +1,7 @@
 //! The units in which other people's data are reduced: the radius, the last instant, and the range of each parameter.
 //!
-//! Tolerances then mean the same for data in metres and in nanometres, and offsets (a temperature of 300 K that varies by
+//! Tolerances then mean the same for data in metres and in nanometres, and offsets (a temperature of 300 K that varies
+//! by
 //! 0.01 K) take no digits from the range. The model file has the data's own units again.
 
 use capsule_database::Collection;

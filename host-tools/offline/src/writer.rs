@@ -681,8 +681,8 @@ pub(crate) struct Domain {
     pub(crate) database_digest: String,
 }
 
-/// Writes a model file in the units that `scaling` leads to. The settings are told as they were given, and used in the working
-/// units.
+/// Writes a model file in the units that `scaling` leads to. The settings are told as they were given, and used in the
+/// working units.
 ///
 /// # Errors
 /// [`OfflineError::Encode`].

@@ -1,5 +1,5 @@
-//! The stated bound of models of other people's data: families with known answers, asked at parameters and instants that no
-//! snapshot has.
+//! The stated bound of models of other people's data: families with known answers, asked at parameters and instants
+//! that no snapshot has.
 
 #[path = "support/mesh.rs"]
 mod support;
@@ -131,7 +131,7 @@ fn the_bound_holds_at_parameters_and_instants_that_no_snapshot_has() {
                 let below = ratios.iter().filter(|ratio| **ratio <= 1.0).count() as f64 / ratios.len() as f64;
                 let median = ratios[ratios.len() / 2];
                 println!(
-                    "{name:8} {design:10} {instants:3} instants: {:.1} % of {} below the bound, median {median:.3} of it",
+                    "{name} {design}, {instants} instants: {:.1} % of {} below the bound, median {median:.3} of it",
                     100.0 * below,
                     ratios.len()
                 );

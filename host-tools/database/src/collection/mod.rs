@@ -56,8 +56,8 @@ pub struct Collection {
 }
 
 impl Collection {
-    /// Reads a `.npz`, `.h5` or `.hdf5` file, or a folder of VTU series; with warnings, of what was taken otherwise than
-    /// it stands in the files.
+    /// Reads a `.npz`, `.h5` or `.hdf5` file, or a folder of VTU series; with warnings, of what was taken otherwise
+    /// than it stands in the files.
     ///
     /// # Errors
     /// What is missing, misshapen, of another type or not finite, with the file, the array and what was expected; what
@@ -208,8 +208,8 @@ impl Collection {
         })
     }
 
-    /// The derivative of the spline through the positions, as [`Collection::new`] computes it where no velocities are given; like the
-    /// positions.
+    /// The derivative of the spline through the positions, as [`Collection::new`] computes it where no velocities are
+    /// given; like the positions.
     #[must_use]
     pub fn derived_velocities(&self) -> Vec<Vec<Vec<[f64; 3]>>> {
         let derivative = spline::Derivative::new(&self.times);
