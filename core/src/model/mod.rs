@@ -21,6 +21,7 @@ pub(crate) use mesh::{apply, components};
 
 use crate::error::{EvaluateError, OpenError};
 use crate::{Domain, Parameters, Real};
+use core::fmt;
 use core::mem::MaybeUninit;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use read::{Cursor, Part};
@@ -102,6 +103,19 @@ impl<'a> Model<'a> {
     /// CRC-32 of the payload: identifies the model.
     pub fn digest(&self) -> u32 {
         self.digest
+    }
+
+    /// The solution that the errors of the model are measured against, in words: of the full-order model with its law and
+    /// bending stiffness, or other people's data.
+    pub fn errors_against(&self) -> impl fmt::Display {
+        let contents = &self.contents;
+        let (law, stiffness) = (contents.metadata.membrane_law, contents.metadata.bending_stiffness);
+        let reference = contents.mesh.reference;
+        fmt::from_fn(move |f| match (reference, stiffness) {
+            (Reference::Shape { .. }, _) => f.write_str("the data that the model was built from"),
+            (Reference::Sphere, None) => write!(f, "the full-order model ({law})"),
+            (Reference::Sphere, Some(stiffness)) => write!(f, "the full-order model ({law}, B = {stiffness:e} G_s a^2)"),
+        })
     }
 
     /// The decoded message.

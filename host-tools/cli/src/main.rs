@@ -1,5 +1,6 @@
 //! `capsule-rom`: the full-order solver, the offline stage, predictions and studies from the command line.
 
+mod bending_effect;
 mod database_merge;
 mod fields;
 mod fom_convergence;
@@ -33,7 +34,6 @@ mod study_speed;
 mod study_stability;
 mod subject;
 mod sweep;
-mod validity;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,11 +1,11 @@
 //! `capsule-rom predict`: the reduced-order model at chosen instants.
 
+use crate::bending_effect::{BendingEffect, bending_effect};
 use crate::fields::{Field, Surface, Totals};
 use crate::membrane::{Mechanics, surface};
 use crate::model::{self, ModelFile};
 use crate::outputs::Outputs;
 use crate::parameters::QueryOptions;
-use crate::validity::{self, BendingEffect};
 use crate::{outlines, print};
 use anyhow::{Context, Result, anyhow, ensure};
 use capsule_core::model::wire::{Reference, Units};
@@ -224,8 +224,8 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         method: method_name(method),
         domain: domain.name(),
         extrapolated: domain != Domain::Inside,
-        errors_against: validity::errors_against(model),
-        bending_effect: validity::bending_effect(model, &parameters.values),
+        errors_against: model.errors_against().to_string(),
+        bending_effect: bending_effect(model, &parameters.values),
         instants,
     };
     let title = format!(

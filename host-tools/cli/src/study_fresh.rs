@@ -66,8 +66,10 @@ pub fn run(options: &Options) -> Result<()> {
         return print::json(&fresh);
     }
     println!(
-        "{} configurations; per cent of a; default method: {}",
-        fresh.samples, fresh.default
+        "{} configurations; errors against {}, per cent of a; default method: {}",
+        fresh.samples,
+        model.errors_against(),
+        fresh.default
     );
     let cells = |name: &str, errors: &InstantErrors, stated: Option<&InstantStated>| -> Vec<String> {
         let errors_alone = [

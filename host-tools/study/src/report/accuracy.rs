@@ -265,9 +265,10 @@ pub(super) fn calibration(
     let mut section = Section::new(
         "True and stated errors",
         &format!(
-            "{} configurations that no sample shares. Modified Hausdorff distance in per cent of a. The model states an \
-             expected error and a bound that 95 % of the errors shall keep: these lie below the diagonal.",
-            fresh.samples
+            "{} configurations that no sample shares. Modified Hausdorff distance to {} in per cent of a. The model \
+             states an expected error and a bound that 95 % of the errors shall keep: these lie below the diagonal.",
+            fresh.samples,
+            model.errors_against()
         ),
     );
     sheet.csv("fresh.csv", &HEADING, fresh.rows().into_iter())?;

@@ -1,23 +1,9 @@
-//! What an answer's error is relative to, in words.
+//! What the full-order model itself errs by, in words.
 
 use capsule_core::Model;
 use capsule_core::model::MatrixView;
-use capsule_core::model::wire::Reference;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
-
-/// The solution that a model's errors are measured against.
-pub fn errors_against(model: &Model<'_>) -> String {
-    let contents = model.contents();
-    match (contents.mesh.reference, contents.metadata.bending_stiffness) {
-        (Reference::Shape { .. }, _) => "the data that the model was built from".to_owned(),
-        (Reference::Sphere, None) => format!("the full-order model ({})", contents.metadata.membrane_law),
-        (Reference::Sphere, Some(stiffness)) => {
-            let law = contents.metadata.membrane_law;
-            format!("the full-order model ({law}, B = {stiffness:e} G_s a^2)")
-        }
-    }
-}
 
 /// By how much the full-order model's bending stiffness changes its solution, at the nearest configuration for which
 /// that is known.
