@@ -13,7 +13,7 @@ const TARGET: &str = "riscv64gc-unknown-linux-gnu";
 pub fn miri() -> Result<()> {
     setup::nightly("miri rust-src")?;
     for tests in [
-        "--package capsule-capi --test refusals",
+        "--package capsule-capi --lib --test refusals",
         "--package capsule-core --lib --test flips",
     ] {
         run(&mut command(&format!(
