@@ -331,8 +331,7 @@ pub enum EvaluateError {
 }
 
 impl EvaluateError {
-    /// The error in words, in which parameters bear the names that `model` gives them instead of their numbers; spaces stand for
-    /// underscores.
+    /// The error in words, in which parameters bear the names that `model` gives them instead of their numbers.
     pub fn named<'a>(&'a self, model: &'a Model<'_>) -> impl Display + 'a {
         fmt::from_fn(|f| self.write(f, &model.contents().metadata.parameters))
     }
@@ -340,11 +339,7 @@ impl EvaluateError {
     fn write(&self, f: &mut Formatter<'_>, parameters: &[Parameter<'_>]) -> Result {
         let name = |index: usize| {
             fmt::from_fn(move |f| match parameters.get(index) {
-                Some(parameter) => {
-                    let mut words = parameter.name.split('_');
-                    f.write_str(words.next().unwrap_or_default())?;
-                    words.try_for_each(|word| write!(f, " {word}"))
-                }
+                Some(parameter) => f.write_str(parameter.name),
                 None => write!(f, "parameter {}", index + 1),
             })
         };

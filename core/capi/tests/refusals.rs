@@ -576,8 +576,15 @@ fn questions_that_make_no_sense() {
     assert_eq!(fixture.prepare(&query(&[0.9, 0.9]), &mut error), Status::OutsideDomain);
     assert!((error.greatest - 0.2).abs() < 1e-6);
     // SAFETY: the name lies in the model's file.
-    let name = unsafe { slice::from_raw_parts(error.what.cast::<u8>(), error.what_length) };
-    assert_eq!(name, b"capillary_number");
+    let name = |error: &Error| unsafe { slice::from_raw_parts(error.what.cast::<u8>(), error.what_length) };
+    assert_eq!(name(&error), b"capillary_number");
+    assert_eq!(fixture.prepare(&query(&[f32::NAN, 0.9]), &mut error), Status::Value);
+    assert_eq!(name(&error), b"capillary_number");
+    assert_eq!(
+        fixture.prepare(&query(&[0.15, 1.15]), &mut error),
+        Status::BeyondSteadyLimit
+    );
+    assert_eq!(name(&error), b"capillary_number");
     let (mut numbers, mut count) = ([0.0; 512], 0);
     assert_eq!(
         fixture.outline(2, numbers.as_mut_ptr(), 512, &mut count, &mut error),
