@@ -74,8 +74,7 @@ fn build(library: &Library, target: &str) -> Result<PathBuf> {
 }
 
 /// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a Cortex-M4F that
-/// takes 2 % less code than its own limit for size. For a microcontroller, equal sequences of instructions are made functions:
-/// 1 % less code, and 1 % more instructions.
+/// takes 2 % less code than its own limit for size.
 pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
     setup::rust_target(target)?;
     let cpu = match target {
@@ -83,10 +82,9 @@ pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str)
         CORTEX_M33 => Some("cortex-m33"),
         _ => None,
     };
-    let outline = cpu.map_or("", |_| "-C llvm-args=-enable-machine-outliner=always");
     let mut build = command(&format!(
         "cargo rustc --quiet --package capsule-capi --crate-type {crate_type} --features {} --profile embedded \
-         --target {target} -- -C llvm-args=-inline-threshold=7 {outline} {flags}",
+         --target {target} -- -C llvm-args=-inline-threshold=7 {flags}",
         library.features
     ));
     // Every crate is told the processor: capsule-dsp finds out which instructions it has.
