@@ -9,8 +9,9 @@ use crate::linalg::{add_scaled, dot, part_mut};
 use crate::manifold::{Manifold, Snapshot, Times};
 use crate::model::wire::Paper;
 use crate::motion::{Controls, Motion, Quantity};
-use crate::workspace::{Factor, PAPER_ROW};
+use crate::workspace::{Factor, PAPER_ROW, Parts};
 use crate::{Real, Scheme};
+use core::mem::offset_of;
 
 /// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1, and errs little far below.
 const STABLE: f32 = 0.25;
@@ -23,6 +24,10 @@ enum Stage<T> {
     /// The basis of a field, the displacement's first.
     Basis(Quantity, Learning<T>),
     Steps,
+}
+
+impl<T> Stage<T> {
+    const START: Self = Self::Basis(Quantity::Displacement, Learning::START);
 }
 
 /// How time is stepped.
@@ -65,7 +70,7 @@ pub(crate) struct Dynamics<T, const M: usize> {
 
 impl<T: Real, const M: usize> Dynamics<T, M> {
     pub(crate) const EMPTY: Self = Self {
-        stage: Stage::Basis(Quantity::Displacement, Learning::START),
+        stage: Stage::START,
         displacement: Basis::EMPTY,
         velocity: Basis::EMPTY,
         q: [[T::ZERO; M]; M],
@@ -74,9 +79,15 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         alpha: [T::ZERO; M],
     };
 
+    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    pub(crate) fn put(parts: &mut impl Parts, at: usize) {
+        parts.put(at + offset_of!(Self, stage), Stage::<T>::START);
+        Manifold::<T, M>::put(parts, at + offset_of!(Self, manifold));
+    }
+
     /// Forgets the query.
     pub(crate) fn forget(&mut self) {
-        self.stage = Stage::Basis(Quantity::Displacement, Learning::START);
+        self.stage = Stage::START;
     }
 
     /// out <- displacement coefficients at `t`, by steps of `step` and a shorter last one.

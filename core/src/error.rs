@@ -357,8 +357,7 @@ pub(crate) fn finite<T: Real, const D: usize>(numbers: [T; D]) -> core::result::
 }
 
 impl EvaluateError {
-    /// The error in words, in which parameters bear the names that `model` gives them instead of their numbers; spaces stand for
-    /// underscores.
+    /// The error in words, in which parameters bear the names that `model` gives them instead of their numbers.
     pub fn named<'a>(&'a self, model: &'a Model<'_>) -> impl Display + 'a {
         fmt::from_fn(|f| self.write(f, &model.contents().metadata.parameters))
     }
@@ -366,11 +365,7 @@ impl EvaluateError {
     fn write(&self, f: &mut Formatter<'_>, parameters: &[Parameter<'_>]) -> Result {
         let name = |index: usize| {
             fmt::from_fn(move |f| match parameters.get(index) {
-                Some(parameter) => {
-                    let mut words = parameter.name.split('_');
-                    f.write_str(words.next().unwrap_or_default())?;
-                    words.try_for_each(|word| write!(f, " {word}"))
-                }
+                Some(parameter) => f.write_str(parameter.name),
                 None => write!(f, "parameter {}", index + 1),
             })
         };

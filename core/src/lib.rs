@@ -55,4 +55,4 @@ pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query, Scheme};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};
 pub use section::{Segment, section};
-pub use workspace::{Workspace, scratch};
+pub use workspace::{Parts, Workspace, scratch};

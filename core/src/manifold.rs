@@ -11,6 +11,8 @@ use crate::Real;
 use crate::interpolate::weight;
 use crate::linalg::{add_scaled, dot_in_order, part, part_mut};
 use crate::model::MatrixView;
+use crate::workspace::Parts;
+use core::mem::offset_of;
 
 /// Snapshots of a window: two on each side of an instant. The paper's R, twice their interval, holds no more of equal ones.
 const NEAR: usize = 4;
@@ -196,6 +198,11 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         window: Window::NONE,
         rank: M,
     };
+
+    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    pub(crate) fn put(parts: &mut impl Parts, at: usize) {
+        parts.put(at + offset_of!(Self, instants), [None::<usize>; NEAR]);
+    }
 
     /// Forgets all snapshots; those to come have so many coordinates.
     pub(crate) fn forget(&mut self, rank: usize) {

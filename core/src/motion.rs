@@ -9,6 +9,8 @@ use crate::linalg::{LANES, dot, part, part_mut};
 use crate::model::wire::{Field, Span};
 use crate::model::{Factors, Indices, MatrixView, Vectors};
 use crate::spline::{ORDER, Splines};
+use crate::workspace::Parts;
+use core::mem::offset_of;
 
 /// The most modes in which the translation's parameters are kept.
 pub(crate) const AXIAL_MODES: usize = 16;
@@ -59,6 +61,11 @@ impl<T: Real, const K: usize> Contracted<T, K> {
         axial: Vectors::ZERO,
     };
 
+    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    pub(crate) fn put(parts: &mut impl Parts, at: usize) {
+        parts.put(at + offset_of!(Self, span), None::<usize>);
+    }
+
     /// Takes the weights of a query, with which the translation's modes are contracted at once, for everything needs them.
     pub(crate) fn enter<const N: usize>(&mut self, field: &Field<'_>, weights: &Weights<T, N>) {
         self.span = None;
@@ -76,6 +83,11 @@ impl<T: Real, const K: usize> Controls<T, K> {
         numbers: [None; ORDER],
         rows: [[T::ZERO; K]; ORDER],
     };
+
+    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    pub(crate) fn put(parts: &mut impl Parts, at: usize) {
+        parts.put(at + offset_of!(Self, numbers), [None::<usize>; ORDER]);
+    }
 
     /// Forgets the query.
     pub(crate) fn forget(&mut self) {

@@ -86,9 +86,12 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
                 let mut walk = self.walk();
                 fill(set.iter(), set.len(), out, |node| walk.node(node))
             }
-            Nodes::List(list) => fill(list.iter().map(|&node| node.into()), list.len(), out, |node| {
-                self.node(node)
-            }),
+            Nodes::List(list) => {
+                let nodes = || list.iter().map(|&node| node.into());
+                // Before the first is written, all are known to be there.
+                nodes().try_for_each(|node| self.origin(node).map(|_| ()))?;
+                fill(nodes(), list.len(), out, |node| self.node(node))
+            }
         }
     }
 

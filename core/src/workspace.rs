@@ -6,6 +6,7 @@ use crate::linalg::{LANES, MOST_COLUMNS};
 use crate::model::Vectors;
 use crate::motion::{Contracted, Controls};
 use crate::{Domain, Query, Real};
+use core::mem::offset_of;
 
 /// Storage for one query at a time; const-constructible, so that it can be a `static`. It keeps what was computed, so
 /// that nothing is computed twice as long as the query stays.
@@ -42,6 +43,12 @@ pub struct Workspace<
     pub(crate) controls: Controls<T, K>,
     /// Room for one thing at a time: the interpolation, then the snapshots' factor of either field.
     pub(crate) scratch: [T; S],
+}
+
+/// Memory in which a workspace is set up.
+pub trait Parts {
+    /// Takes a part of it, to be written so many bytes from its start.
+    fn put<P>(&mut self, offset: usize, part: P);
 }
 
 /// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error,
@@ -107,6 +114,17 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
             velocity: Coefficients::EMPTY,
             dynamics: Dynamics::EMPTY,
         }
+    }
+
+    /// Hands out what of an empty workspace is no number, part by part: with zeros elsewhere that is a workspace. For memory
+    /// that is not Rust's, where the stack has no room for a whole one.
+    pub fn put(parts: &mut impl Parts) {
+        parts.put(offset_of!(Self, prepared), None::<Prepared<T>>);
+        parts.put(offset_of!(Self, displacement.t), None::<T>);
+        parts.put(offset_of!(Self, velocity.t), None::<T>);
+        Contracted::<T, K>::put(parts, offset_of!(Self, contracted));
+        Controls::<T, K>::put(parts, offset_of!(Self, controls));
+        Dynamics::<T, M>::put(parts, offset_of!(Self, dynamics));
     }
 
     /// Forgets what belongs to a query: the next one is computed anew, whatever the storage holds.

@@ -1,6 +1,6 @@
 //! The firmware's answers under QEMU against this machine's, bit for bit. Run by its name alone, because it needs the
-//! target (`rustup target add thumbv7em-none-eabihf`) and the emulator (`apt-get install qemu-system-arm`):
-//! `cargo test -p capsule-core --test firmware`.
+//! targets (`rustup target add thumbv7em-none-eabihf thumbv8m.main-none-eabihf`) and the emulator (`apt-get install
+//! qemu-system-arm`): `cargo test -p capsule-core --test firmware`.
 
 mod common;
 #[path = "../../tests/firmware/src/questions.rs"]
@@ -15,18 +15,34 @@ fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/firmware")
 }
 
-/// A Cortex-M7 instead of the firmware's own board.
-const CORTEX_M7: &str = "qemu-system-arm -M mps2-an500 -cpu cortex-m7 -nographic -semihosting-config \
-                         enable=on,target=native -kernel";
+/// What a board needs beyond the firmware's own settings, which are those of a Cortex-M4F: arguments of cargo, and variables
+/// of the environment.
+type Board = (&'static [&'static str], &'static [(&'static str, &'static str)]);
+
+const CORTEX_M4: Board = (&[], &[]);
+const CORTEX_M7: Board = (
+    &[],
+    &[
+        ("CAPSULE_BOARD", "AN500"),
+        (
+            "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER",
+            "qemu-system-arm -M mps2-an500 -cpu cortex-m7 -nographic -semihosting-config enable=on,target=native -kernel",
+        ),
+    ],
+);
+const CORTEX_M33: Board = (
+    &["--target", "thumbv8m.main-none-eabihf"],
+    &[("CAPSULE_BOARD", "AN505")],
+);
 
 /// Builds a program of the firmware with a model in its flash, runs it and returns what it prints.
-fn on_the_target(program: &str, model: &Path, runner: Option<&str>) -> String {
+fn on_the_target(program: &str, model: &Path, (arguments, variables): Board) -> String {
     // A target directory of its own: this test's cargo holds the lock of the other.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware");
     let output = Command::new(env!("CARGO"))
         .args(["run", "--release", "--locked", "--bin", program])
-        .envs(runner.map(|runner| ("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER", runner)))
-        .envs(runner.map(|_| ("CAPSULE_EXTERNAL", "0x60000000")))
+        .args(arguments)
+        .envs(variables.iter().copied())
         .current_dir(firmware())
         .env("CAPSULE_MODEL", model)
         .env("CARGO_TARGET_DIR", target)
@@ -58,7 +74,10 @@ fn on_this_machine(model: &Path) -> String {
 }
 
 fn agree(model: &Path) {
-    let (target, here) = (on_the_target("capsule-firmware", model, None), on_this_machine(model));
+    let (target, here) = (
+        on_the_target("capsule-firmware", model, CORTEX_M4),
+        on_this_machine(model),
+    );
     assert_eq!(target.lines().count(), questions::COUNT);
     for (question, (target, here)) in target.lines().zip(here.lines()).enumerate() {
         assert_eq!(
@@ -82,9 +101,9 @@ fn the_shipped_model_gives_the_same_bits_on_the_target() {
 }
 
 #[test]
-fn the_conformance_vectors_on_cortex_m4_and_m7() {
-    for runner in [None, Some(CORTEX_M7)] {
-        let said = on_the_target("conformance", &firmware().join("../../models/capsule.crom"), runner);
+fn the_conformance_vectors_on_cortex_m4_m7_and_m33() {
+    for board in [CORTEX_M4, CORTEX_M7, CORTEX_M33] {
+        let said = on_the_target("conformance", &firmware().join("../../models/capsule.crom"), board);
         assert!(said.trim_end().ends_with("passed, 0 failed"), "{said}");
     }
 }

@@ -55,7 +55,7 @@ fn parameters_are_judged() {
         for bad in [f64::NAN, f64::INFINITY, 0.0, -0.1] {
             for extrapolate in [false, true] {
                 for (name, error) in [
-                    ("capillary number", prepare(bad, 0.9, extrapolate).unwrap_err()),
+                    ("capillary_number", prepare(bad, 0.9, extrapolate).unwrap_err()),
                     ("confinement", prepare(0.05, bad, extrapolate).unwrap_err()),
                 ] {
                     assert!(matches!(error, EvaluateError::Parameter { .. }), "{error}");

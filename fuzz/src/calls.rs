@@ -1,6 +1,6 @@
 //! Calls of the C interface in any order, with pointers that are null, misaligned, or point into an object of the call,
 //! and with sizes of all kinds. They are refused, or answered with finite numbers; nothing is written where nothing may
-//! be, which the address sanitizer sees; where a pointer is at fault the workspace is as it was.
+//! be, which the address sanitizer sees; where a call fails its outputs are as they were, and the error says why.
 
 use crate::{FILE, Number, input, with_header};
 use arbitrary::Arbitrary;
@@ -248,6 +248,13 @@ impl Call {
         usize::from(self.most) % 512
     }
 
+    /// Whether the outputs are left as they were where the call fails.
+    fn leaves_its_outputs(&self, status: Status) -> bool {
+        // The domain is said, and the scratch of the membrane used.
+        let uses_them = matches!(self.function, Function::Prepare { .. } | Function::Membrane);
+        !uses_them && status != Status::NotFinite
+    }
+
     /// Whether the call may be made: pointers into the workspace only with the workspace.
     fn is_fair(&self) -> bool {
         let inside = [self.out, self.count, self.error]
@@ -277,11 +284,18 @@ pub fn calls(bytes: &[u8]) {
         let mut count = Memory::new(call.count, 64);
         let mut error = Memory::new(call.error, size_of::<Error>());
         let (status, answers) = objects.make(call, &mut out, &mut count, &mut error);
-        if matches!(status, Status::Null | Status::Misaligned | Status::Overlap) {
+        let untouched = |memory: &Memory| memory.words.iter().all(|word| *word == 0);
+        let refused = matches!(status, Status::Null | Status::Misaligned | Status::Overlap);
+        if refused {
             assert!(objects.workspace.opaque == before, "{call:?} was refused");
-            assert!(error.words.iter().all(|word| *word == 0), "{call:?} was refused");
-        } else if matches!(call.error, Place::Right) && !matches!(call.function, Function::StatusText(_)) {
+        }
+        if refused || status != Status::Ok && call.leaves_its_outputs(status) {
+            assert!(untouched(&out) && untouched(&count), "{call:?} failed");
+        }
+        if matches!(call.error, Place::Right) && !matches!(call.function, Function::StatusText(_)) {
             assert_eq!(error.words[0] as u32, status as u32, "{call:?}");
+        } else if !matches!(call.error, Place::Odd(_)) {
+            assert!(untouched(&error), "{call:?}");
         }
         assert!(out.numbers(answers).all(f32::is_finite), "{call:?}");
     }

@@ -9,8 +9,13 @@
      capsule_..._at      what is asked at an instant; it computes that and nothing else
 
    Every function returns a status; capsule_status_text() says it in words. The last parameter, `error`, may be null;
-   else it is filled with the figures of the failure (on success too), unless a pointer overlaps or `error` itself is
-   misaligned. Pointers may not be null unless it is said; null, misaligned, short and overlapping ones are refused.
+   else every call fills it, with the figures of the failure or with zeros. Pointers may not be null unless it is said;
+   null, misaligned, short and overlapping ones are refused. Where `error` itself is misaligned, or shares memory with
+   another argument or with the model's file, the call is refused and `error` is left as it was.
+
+   Where a call fails, nothing else is written, but for the `domain` of capsule_prepare, the `scratch` of
+   capsule_membrane_at, a model that did not open, and, where the status is CAPSULE_STATUS_NOT_FINITE, the buffer of
+   points. A buffer is written as far as the answer goes, and not beyond.
 
    libcapsule_direct.a is without the paper's method, in half the workspace and four fifths of the code. A program that
    links it defines CAPSULE_DIRECT before it includes this.
@@ -172,6 +177,8 @@ enum capsule_domain
   CAPSULE_DOMAIN_OUTSIDE = 2,
   // Within the ranges of scattered samples, but far from all of them.
   CAPSULE_DOMAIN_FAR_FROM_SAMPLES = 3,
+  // Not found, as the call failed before it looked.
+  CAPSULE_DOMAIN_UNKNOWN = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -225,8 +232,7 @@ typedef struct capsule_model {
   uint64_t opaque[CAPSULE_MODEL_WORDS];
 } capsule_model;
 
-// What a call failed at. A field that the status does not mention is zero. Where the status is that a pointer is null or
-// misaligned, or that two overlap, nothing is written: the pointer to this could be the one at fault.
+// What a call failed at. A field that the status does not mention is zero.
 typedef struct capsule_error {
   // The status that the call returned.
   capsule_status status;
@@ -351,7 +357,8 @@ capsule_status capsule_v1_describe_parameter(const struct capsule_model *model,
 capsule_status capsule_v1_initialise(struct capsule_workspace *workspace, size_t size, struct capsule_error *error);
 
 // Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
-// parameters lie.
+// parameters lie, also where they are refused, and `CAPSULE_DOMAIN_UNKNOWN` where the call fails before it looks. Where a
+// pointer is refused, it is left as it was.
 capsule_status capsule_v1_prepare(const struct capsule_model *model,
                                   struct capsule_workspace *workspace,
                                   const struct capsule_query *query,

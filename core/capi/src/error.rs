@@ -4,8 +4,7 @@ use crate::Status;
 use capsule_core::{EvaluateError, Model, OpenError};
 use core::ffi::c_char;
 
-/// What a call failed at. A field that the status does not mention is zero. Where the status is that a pointer is null or
-/// misaligned, or that two overlap, nothing is written: the pointer to this could be the one at fault.
+/// What a call failed at. A field that the status does not mention is zero.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
@@ -76,10 +75,14 @@ impl Error {
     /// Why a query was refused; a parameter bears the name that the model gives it.
     pub(crate) fn query(&mut self, error: EvaluateError, model: &Model<'static>) -> Failed {
         let failed = error.tell(self);
-        if let EvaluateError::Parameter { index, .. } | EvaluateError::OutsideDomain { index, .. } = error
-            && let Some(range) = model.contents().metadata.parameters.get(index)
-        {
-            self.about(range.name);
+        let index = match error {
+            EvaluateError::Parameter { index, .. } | EvaluateError::OutsideDomain { index, .. } => index,
+            // The limit is one of Ca, the first.
+            EvaluateError::BeyondSteadyLimit { .. } => 0,
+            _ => return failed,
+        };
+        if let Some(parameter) = model.contents().metadata.parameters.get(index) {
+            self.about(parameter.name);
         }
         failed
     }
@@ -157,13 +160,7 @@ impl Reason for EvaluateError {
                 capillary_number,
                 limit,
                 ..
-            } => failure.numbers(
-                Status::BeyondSteadyLimit,
-                "capillary number",
-                capillary_number,
-                0.0,
-                limit,
-            ),
+            } => failure.numbers(Status::BeyondSteadyLimit, "", capillary_number, 0.0, limit),
             Self::Weights { sum } => failure.numbers(Status::Weights, "", sum, 0.0, 0.0),
             Self::NotPrepared => Status::NotPrepared.tell(failure),
             Self::UnknownNode { node, nodes } => failure.counts(Status::UnknownNode, "", node, 0, nodes),

@@ -7,7 +7,7 @@
 //! the same time; calls that share a workspace may not.
 
 use crate::error::{Error, Failed};
-use crate::memory::{Buffer, Bytes, Place, check, spare};
+use crate::memory::{Buffer, Bytes, Place, check, check_error};
 use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS, SCRATCH};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
@@ -162,7 +162,8 @@ pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: 
 }
 
 /// Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
-/// parameters lie.
+/// parameters lie, also where they are refused, and `CAPSULE_DOMAIN_UNKNOWN` where the call fails before it looks. Where a
+/// pointer is refused, it is left as it was.
 ///
 /// # Safety
 /// See [`functions`](self).
@@ -180,25 +181,29 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         Place::input(query),
         Place::output(domain),
     );
-    if let Err(status) = check(&[query.read()], Bytes::NONE) {
-        return status;
-    }
-    let bytes = query.read();
     // SAFETY: the caller keeps what the module says.
-    let query = unsafe { query.start().read() };
-    let parameters = Buffer::input(query.parameters, query.parameter_count);
+    let parameters = unsafe { parameters_of(&query, &model) };
+    let say = move |place| {
+        if !domain.is_null() {
+            // SAFETY: the caller keeps what the module says.
+            unsafe { domain.memory() }.write(place);
+        }
+    };
     let mut work = move |(), failure: &mut Error| {
+        say(Domain::Unknown);
         // SAFETY: the caller keeps what the module says.
-        let (model, workspace, parameters) = unsafe {
+        let (model, workspace, query) = unsafe {
             (
                 failure.of(model.content())?,
                 failure.of(workspace.content_mut())?,
-                parameters.values(),
+                query.start().read(),
             )
         };
-        let expected = model.contents().metadata.parameters.len();
-        let found = parameters.len();
-        let parameters = rom::Parameters::new(parameters)
+        let (expected, found) = (model.contents().metadata.parameters.len(), query.parameter_count);
+        // SAFETY: the caller keeps what the module says.
+        let parameters = Some(found)
+            .filter(|found| *found == expected)
+            .and_then(|_| rom::Parameters::new(unsafe { parameters.values() }))
             .ok_or_else(|| failure.counts(Status::ParameterCount, "", found, expected, 0))?;
         let method = match query.method {
             0 => model.contents().default_method,
@@ -212,22 +217,13 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             asked.step = Some(query.step);
         }
         let prepared = failure.of(Evaluator::new(model, workspace))?.prepare(&asked);
-        let found = prepared.map_err(|error| failure.query(error, model))?;
-        if !domain.is_null() {
-            // SAFETY: the caller keeps what the module says.
-            unsafe { domain.memory() }.write(match found {
-                rom::Domain::Inside => Domain::Inside,
-                rom::Domain::BeyondSteadyLimit => Domain::BeyondSteadyLimit,
-                rom::Domain::FarFromSamples => Domain::FarFromSamples,
-                rom::Domain::Outside => Domain::Outside,
-            });
-        }
-        Ok(())
+        say(place_of(&prepared, model.domain(parameters)).into());
+        prepared.map_or_else(|error| Err(failure.query(error, model)), |_| Ok(()))
     };
     let buffers = [
         model.read(),
         workspace.written(),
-        bytes,
+        query.read(),
         parameters.read(),
         domain.written().optional(),
     ];
@@ -487,7 +483,7 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     let (scratch, out) = (Buffer::output(scratch, capacity), Place::output(membrane));
     let mut ask = move |instant: &mut Instant<'_>, failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
-        let (scratch, out) = unsafe { (scratch.zeros(), out.memory()) };
+        let (scratch, out) = unsafe { (scratch.room(), out.memory()) };
         let membrane = instant.membrane(scratch.as_chunks_mut().0);
         let totals = membrane
             .as_ref()
@@ -506,8 +502,8 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     unsafe { call_at(model, workspace, t, others, error, &mut ask) }
 }
 
-/// Runs the work of a call on its buffers and writes its error where the caller wants it. Where a pointer is at fault
-/// nothing is written: `error` may be what overlaps. `model` is the one that is asked.
+/// Runs the work of a call on its buffers, unless one of them is refused, and writes its error where the caller wants it; nothing
+/// where `error` itself is refused. `model` is the one that is asked.
 #[inline(never)]
 unsafe fn call(
     model: Option<&Place<Model>>,
@@ -517,10 +513,15 @@ unsafe fn call(
 ) -> Status {
     let error = Place::output(error);
     let place = error.written().optional();
-    // SAFETY: the caller keeps what the module says, and the model was checked with the buffers.
-    let file = || model.map_or(Bytes::NONE, |model| unsafe { model.file() });
-    if let Err(status) = check(buffers, place).and_then(|()| spare(file(), buffers, place)) {
+    if let Err(status) = check_error(place, buffers) {
         return status;
+    }
+    // SAFETY: the caller keeps what the module says.
+    let file = model
+        .filter(|model| model.is_sound())
+        .map_or(Bytes::NONE, |model| unsafe { model.file() });
+    if place.overlaps(&file) {
+        return Status::Overlap;
     }
     let mut unasked = MaybeUninit::uninit();
     let error = if error.is_null() {
@@ -531,8 +532,26 @@ unsafe fn call(
     // SAFETY: the caller keeps what the module says, and no other buffer is there. Zeros say that nothing failed.
     let failure = unsafe { error.zeros() };
     // What failed is in the status.
-    let (Ok(()) | Err(Failed)) = work.run((), failure);
+    let (Ok(()) | Err(Failed)) = match failure.of(check(buffers, file)) {
+        Ok(()) => work.run((), failure),
+        failed => failed,
+    };
     failure.status
+}
+
+/// A query's parameters, of which no more are looked at than the model has. None of a query that cannot be read; that is
+/// refused.
+///
+/// # Safety
+/// The caller keeps what the module says.
+unsafe fn parameters_of(query: &Place<Query>, model: &Place<Model>) -> Buffer<f32> {
+    if !(query.is_sound() && model.is_sound()) {
+        return Buffer::input(core::ptr::null(), 0);
+    }
+    // SAFETY: the caller keeps what the module says.
+    let (query, model) = unsafe { (query.start().read(), model.content()) };
+    let most = model.map_or(0, |model| model.contents().metadata.parameters.len());
+    Buffer::input(query.parameters, query.parameter_count.min(most))
 }
 
 /// Refuses an object that the caller says is smaller than its content.
@@ -542,6 +561,16 @@ fn holds<O>(size: usize, failure: &mut Error) -> Result<(), Failed> {
         return Err(failure.counts(Status::Short, "", size, needed, 0));
     }
     Ok(())
+}
+
+/// Where a query lies, prepared or refused, of which the ranges and the steady limit say `found`.
+fn place_of(prepared: &Result<rom::Domain, rom::EvaluateError>, found: rom::Domain) -> rom::Domain {
+    use rom::EvaluateError::{FarFromSamples, FarOutside};
+    match (prepared, found) {
+        (Ok(place), _) => *place,
+        (Err(FarFromSamples { .. } | FarOutside { .. }), rom::Domain::Inside) => rom::Domain::FarFromSamples,
+        (Err(_), place) => place,
+    }
 }
 
 fn frame_of(frame: u32, failure: &mut Error) -> Result<rom::Frame, Failed> {
@@ -646,10 +675,9 @@ unsafe fn many(
     let (out, count) = (Buffer::output(out, capacity), Place::output(count));
     let mut work = move |(), failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
-        let (out, count) = unsafe { (out.zeros(), count.memory()) };
-        let count = count.write(0);
+        let (out, count) = unsafe { (out.room(), count.memory()) };
         let mut ask = |instant: &mut Instant<'_>, failure: &mut Error| {
-            *count = fill.run((instant, out), failure)?;
+            count.write(fill.run((instant, out), failure)?);
             Ok(())
         };
         // SAFETY: the caller keeps what the module says.

@@ -63,39 +63,42 @@ impl Bytes {
         if !self.start.is_multiple_of(self.alignment.into()) {
             return Err(Status::Misaligned);
         }
-        // A slice of Rust may not be longer than an isize can say.
-        let length = self.count.saturating_mul(self.size.into());
-        if isize::try_from(length).is_err() || self.start.checked_add(length).is_none() {
-            return Err(Status::Overlap);
-        }
-        Ok(())
+        self.whole_end().map(|_| ()).ok_or(Status::Overlap)
     }
 
-    /// The end of what was judged.
+    /// The end of all values; none beyond the end of memory. A slice of Rust may not be longer than an isize can say.
+    fn whole_end(&self) -> Option<usize> {
+        let length = self.count.checked_mul(self.size.into())?;
+        isize::try_from(length).ok()?;
+        self.start.checked_add(length)
+    }
+
+    /// The end of all values. A count that no memory has says nothing of where they end: then that of the first.
     fn end(&self) -> usize {
-        self.start + self.count * usize::from(self.size)
+        let first = self.start.saturating_add(self.size.into());
+        self.whole_end().unwrap_or(first)
     }
 
-    fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.start < other.end() && other.start < self.end()
     }
 }
 
-/// Refuses buffers that the call would write over the bytes of a model's file.
-pub(crate) fn spare(file: Bytes, buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
-    let mut written = buffers.iter().chain([&error]).filter(|bytes| bytes.written);
-    if written.any(|bytes| bytes.overlaps(&file)) {
+/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, be these sound or not.
+pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status> {
+    error.judge()?;
+    if buffers.iter().any(|bytes| bytes.overlaps(&error)) {
         return Err(Status::Overlap);
     }
     Ok(())
 }
 
-/// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory.
-pub(crate) fn check(buffers: &[Bytes], error: Bytes) -> Result<(), Status> {
+/// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory, and those that the call
+/// would write over the bytes of a model's file.
+pub(crate) fn check(buffers: &[Bytes], file: Bytes) -> Result<(), Status> {
     buffers.iter().try_for_each(Bytes::judge)?;
-    error.judge()?;
     for (i, a) in buffers.iter().enumerate() {
-        if a.overlaps(&error) || buffers.iter().take(i).any(|b| a.overlaps(b)) {
+        if a.written && a.overlaps(&file) || buffers.iter().take(i).any(|b| a.overlaps(b)) {
             return Err(Status::Overlap);
         }
     }
@@ -129,7 +132,8 @@ impl<T> Place<T> {
         }
         Bytes {
             start: self.0.addr(),
-            count,
+            // At a null pointer there is no memory.
+            count: if self.is_null() { 0 } else { count },
             size: size_of::<T>() as u16,
             alignment: align_of::<T>() as u8,
             written,
@@ -141,10 +145,15 @@ impl<T> Place<T> {
         self.0.is_null()
     }
 
+    /// Whether it may be read.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.read().judge().is_ok()
+    }
+
     /// Where it starts.
     ///
     /// # Safety
-    /// [`check`] has passed it.
+    /// [`check`] has passed it, or it [is sound](Self::is_sound).
     pub(crate) unsafe fn start(&self) -> NonNull<T> {
         // SAFETY: not null.
         unsafe { NonNull::new_unchecked(self.0) }
@@ -212,16 +221,14 @@ impl<T> Buffer<T> {
         unsafe { slice::from_raw_parts(self.first.0, self.count) }
     }
 
-    /// The memory, set to zeros, to write values into.
+    /// The memory, to write values into. What was in it is not known.
     ///
     /// # Safety
     /// [`check`] has passed the buffer with the others of the call. The caller of the interface promised that nobody else
-    /// uses the memory. `T` is valid with zeros.
-    pub(crate) unsafe fn zeros<'a>(self) -> &'a mut [T] {
+    /// uses the memory. `T` is valid with every pattern of bits: memory that comes from C holds one, which nobody reads
+    /// before it is written.
+    pub(crate) unsafe fn room<'a>(self) -> &'a mut [T] {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
-        unsafe {
-            self.first.0.write_bytes(0, self.count);
-            slice::from_raw_parts_mut(self.first.0, self.count)
-        }
+        unsafe { slice::from_raw_parts_mut(self.first.0, self.count) }
     }
 }

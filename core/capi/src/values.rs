@@ -1,5 +1,6 @@
 //! What goes in and comes out, in C's layout.
 
+use capsule_core as rom;
 use core::ffi::c_char;
 
 /// How a query is answered.
@@ -26,6 +27,19 @@ pub enum Domain {
     Outside = 2,
     /// Within the ranges of scattered samples, but far from all of them.
     FarFromSamples = 3,
+    /// Not found, as the call failed before it looked.
+    Unknown = 4,
+}
+
+impl From<rom::Domain> for Domain {
+    fn from(found: rom::Domain) -> Self {
+        match found {
+            rom::Domain::Inside => Self::Inside,
+            rom::Domain::BeyondSteadyLimit => Self::BeyondSteadyLimit,
+            rom::Domain::FarFromSamples => Self::FarFromSamples,
+            rom::Domain::Outside => Self::Outside,
+        }
+    }
 }
 
 /// Frame of reference.

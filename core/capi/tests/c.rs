@@ -1,6 +1,6 @@
 //! The archives of `cargo xtask package`, used as a C programmer would: every example is built by gcc and by clang, runs
-//! under valgrind and under sanitizers, and says the same on an emulated Cortex-M4F and Cortex-M7. The folders of the
-//! archives are in the environment variables CAPSULE_HOST_PACKAGE and CAPSULE_CORTEX_M_PACKAGE:
+//! under valgrind and under sanitizers, and says the same on an emulated Cortex-M4F, M7 and M33. The folders of the archives
+//! are in the environment variables CAPSULE_HOST_PACKAGE, CAPSULE_CORTEX_M_PACKAGE and CAPSULE_CORTEX_M33_PACKAGE:
 //! `cargo xtask test --only c`.
 
 #[path = "../../tests/common/mod.rs"]
@@ -17,27 +17,38 @@ const LIBRARIES: [&str; 2] = ["lib/libcapsule.a", "lib/libcapsule_direct.a"];
 const DIRECT: &str = "-DCAPSULE_DIRECT";
 const STRICT: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
-/// A Cortex-M, its compiler's words and its board.
+/// A Cortex-M, its compiler's words, its archive and its board.
 struct Board {
     cpu: &'static str,
     fpu: &'static str,
+    /// The variable that says where the archive is.
+    package: &'static str,
     machine: &'static str,
-    /// Where its external memory starts.
-    external: &'static str,
+    /// Where its memory starts.
+    memory: &'static str,
 }
 
-const BOARDS: [Board; 2] = [
+const BOARDS: [Board; 3] = [
     Board {
         cpu: "cortex-m4",
         fpu: "fpv4-sp-d16",
+        package: "CAPSULE_CORTEX_M_PACKAGE",
         machine: "mps2-an386",
-        external: "0x21000000",
+        memory: "--defsym=EXTERNAL=0x21000000",
     },
     Board {
         cpu: "cortex-m7",
         fpu: "fpv5-sp-d16",
+        package: "CAPSULE_CORTEX_M_PACKAGE",
         machine: "mps2-an500",
-        external: "0x60000000",
+        memory: "--defsym=EXTERNAL=0x60000000",
+    },
+    Board {
+        cpu: "cortex-m33",
+        fpu: "fpv5-sp-d16",
+        package: "CAPSULE_CORTEX_M33_PACKAGE",
+        machine: "mps2-an505",
+        memory: "--defsym=EXTERNAL=0x80000000,--defsym=CODE=0x10000000,--defsym=DATA=0x38000000",
     },
 ];
 
@@ -192,14 +203,15 @@ fn the_header_is_good_for_other_languages() {
 
 #[test]
 fn a_microcontroller_says_the_same() {
-    let package = package("CAPSULE_CORTEX_M_PACKAGE");
     for Board {
         cpu,
         fpu,
+        package: variable,
         machine,
-        external,
+        memory,
     } in BOARDS
     {
+        let package = package(variable);
         let script = format!("-T{}", package.join("examples/cortex-m/mps2.ld").display());
         let (cpu_option, fpu_option) = (format!("-mcpu={cpu}"), format!("-mfpu={fpu}"));
         let options = [
@@ -211,8 +223,10 @@ fn a_microcontroller_says_the_same() {
             "--specs=rdimon.specs",
             &script,
         ];
-        let external = format!("-Wl,--defsym=EXTERNAL={external}");
-        let start = [external.into(), package.join("examples/cortex-m/start.c")];
+        let start = [
+            format!("-Wl,{memory}").into(),
+            package.join("examples/cortex-m/start.c"),
+        ];
         let direct = [&options[..], &[DIRECT]].concat();
         let examples = EXAMPLES.map(|example| (example, &options[..]));
         for (example, options) in examples.into_iter().chain([("quick_start", &direct[..])]) {
@@ -224,6 +238,22 @@ fn a_microcontroller_says_the_same() {
                 .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
                 .arg(program));
             assert_eq!(printed, said(example, cpu), "{example} on {cpu}");
+        }
+    }
+}
+
+#[test]
+fn the_archives_multiply_by_the_dsp_extension() {
+    for variable in ["CAPSULE_CORTEX_M_PACKAGE", "CAPSULE_CORTEX_M33_PACKAGE"] {
+        for library in LIBRARIES {
+            let code = run(Command::new("arm-none-eabi-objdump")
+                .args(["--disassemble", "--no-show-raw-insn"])
+                .arg(package(variable).join(library)));
+            // Two rows of two columns take two of each; the square root is called from everywhere.
+            for (instruction, least) in [("sxtb16", 2), ("smlad", 2), ("vsqrt.f32", 1)] {
+                let found = code.matches(&format!("\t{instruction}\t")).count();
+                assert!(found >= least, "{variable}, {library}: {found} times {instruction}");
+            }
         }
     }
 }

@@ -1,10 +1,11 @@
-//! What C may hand in by mistake is refused, with a status that says what it was, and nothing is written.
+//! What C may hand in by mistake is refused, with a status and an error that say what it was, and nothing else is written.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
 
 use capsule_capi::*;
 use std::ffi::CStr;
+use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 use std::slice;
 
@@ -273,23 +274,251 @@ fn the_file_is_not_written_over() {
     assert!(listed != Status::Overlap);
 }
 
-/// The error may be what is at fault: then it is not written, not even for a fault that is found first.
+/// The error may be what is at fault: then it is not written, whatever else is at fault.
 #[test]
 fn an_error_inside_an_object_is_not_written() {
     let mut fixture = Fixture::new();
     let inside = (&raw mut *fixture.workspace).wrapping_byte_add(64).cast();
     let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
     let before = fixture.words();
+    // As words, so that an error fits into them.
+    let mut parameters = [u64::MAX; 8];
+    let asked = Query {
+        parameters: parameters.as_ptr().cast(),
+        parameter_count: 3,
+        ..query(&[])
+    };
     // SAFETY: every call is refused.
     let found = unsafe {
         [
             capsule_v1_volume_at(model, workspace, 1.0, null_mut(), inside),
             capsule_v1_prepare(model, workspace, null(), null_mut(), inside),
             capsule_v1_initialise(workspace, 8, inside),
+            capsule_v1_prepare(model, workspace, &asked, null_mut(), parameters.as_mut_ptr().cast()),
         ]
     };
-    assert_eq!(found, [Status::Null, Status::Null, Status::Overlap]);
-    assert!(fixture.words() == before);
+    assert_eq!(found, [Status::Overlap; 4]);
+    assert!(fixture.words() == before && parameters == [u64::MAX; 8]);
+}
+
+/// An error of which no field is as a call leaves it.
+fn old_error() -> Error {
+    Error {
+        status: Status::Other,
+        what: c"old".as_ptr(),
+        what_length: 3,
+        found: 1.0,
+        least: 2.0,
+        greatest: 3.0,
+    }
+}
+
+#[test]
+fn the_error_says_which_kind_of_pointer_was_refused() {
+    let mut fixture = Fixture::new();
+    let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+    let mut numbers = [7.0_f32; 64];
+    let (points, mut count, mut domain) = (numbers.as_mut_ptr(), 99, Domain::FarFromSamples);
+    let (count, domain) = (&raw mut count, &raw mut domain);
+    let (odd, most) = (points.wrapping_byte_add(1), usize::MAX / 4);
+    let asked = parameters(0.1);
+    let good = query(&asked);
+    let bad = |parameters| Query { parameters, ..good };
+    let (no_array, odd_array, shared) = (bad(null()), bad(odd), bad(domain.cast()));
+    let odd_query = (&raw const good).wrapping_byte_add(1);
+    let start = fixture.file.as_mut_ptr();
+    let in_file = start.wrapping_add(start.align_offset(8) + 64).cast::<f32>();
+    let (size, length) = (MODEL_SIZE, fixture.file.len());
+    let inside = (&raw mut *fixture.model).cast();
+    type Call<'c> = Box<dyn Fn(*mut Error) -> Status + 'c>;
+    let outline = |points, capacity, count| -> Call {
+        // SAFETY: every call is refused.
+        Box::new(move |error| unsafe {
+            capsule_v1_outline_at(model, workspace, 1.0, 0, 0, points, capacity, count, error)
+        })
+    };
+    let prepare = |query| -> Call {
+        // SAFETY: every call is refused.
+        Box::new(move |error| unsafe { capsule_v1_prepare(model, workspace, query, domain, error) })
+    };
+    let volume = |model, workspace, volume| -> Call {
+        // SAFETY: every call is refused.
+        Box::new(move |error| unsafe { capsule_v1_volume_at(model, workspace, 1.0, volume, error) })
+    };
+    let open = |file| -> Call {
+        // SAFETY: every call is refused.
+        Box::new(move |error| unsafe { capsule_v1_open(inside, size, file, length, error) })
+    };
+    let calls = [
+        (Status::Null, outline(null_mut(), 8, count)),
+        (Status::Null, outline(points, 64, null_mut())),
+        (Status::Null, prepare(null())),
+        (Status::Null, prepare(&no_array)),
+        (Status::Null, volume(null(), workspace, points)),
+        (Status::Null, volume(model, null_mut(), points)),
+        (Status::Null, volume(model, workspace, null_mut())),
+        (Status::Null, open(null())),
+        (Status::Misaligned, outline(odd, 8, count)),
+        (Status::Misaligned, prepare(odd_query)),
+        (Status::Misaligned, prepare(&odd_array)),
+        (
+            Status::Misaligned,
+            volume(model.wrapping_byte_add(1), workspace, points),
+        ),
+        (Status::Overlap, outline(points, most, count)),
+        (Status::Overlap, outline(inside.cast(), 8, count)),
+        (Status::Overlap, prepare(&shared)),
+        (Status::Overlap, volume(model, workspace, in_file)),
+        (Status::Overlap, open(inside.cast_const().cast())),
+    ];
+    for (i, (status, call)) in calls.iter().enumerate() {
+        let mut error = old_error();
+        assert_eq!((call(&mut error), error.status), (*status, *status), "call {i}");
+        assert!(error.what.is_null() && error.what_length == 0, "call {i}");
+        assert_eq!((error.found, error.least, error.greatest), (0.0, 0.0, 0.0), "call {i}");
+    }
+    // SAFETY: they are there.
+    assert_eq!(unsafe { (count.read(), domain.read()) }, (99, Domain::FarFromSamples));
+    assert_eq!(numbers, [7.0; 64]);
+}
+
+#[test]
+fn nothing_but_the_error_is_written_where_a_call_fails() {
+    let mut fixture = Fixture::new();
+    let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+    let (mut numbers, mut count, mut totals) = ([7.0_f32; 4096], 99, [7.0_f32; 3]);
+    let (points, capacity, totals) = (numbers.as_mut_ptr(), numbers.len(), totals.as_mut_ptr());
+    let (late, none) = (1e9, null_mut());
+    let list = [0, 1, u16::MAX];
+    // SAFETY: the memory is there.
+    let found = unsafe {
+        [
+            capsule_v1_outline_at(model, workspace, late, 0, 0, points, capacity, &mut count, none),
+            capsule_v1_outline_at(model, workspace, 1.0, 2, 0, points, capacity, &mut count, none),
+            capsule_v1_outline_at(model, workspace, 1.0, 0, 2, points, capacity, &mut count, none),
+            capsule_v1_outline_at(model, workspace, 1.0, 0, 0, points, 3, &mut count, none),
+            capsule_v1_positions_at(model, workspace, 1.0, 0, null(), 0, points, 5, &mut count, none),
+            capsule_v1_positions_at(
+                model,
+                workspace,
+                1.0,
+                0,
+                list.as_ptr(),
+                list.len(),
+                points,
+                capacity,
+                &mut count,
+                none,
+            ),
+            capsule_v1_velocities_at(
+                model,
+                workspace,
+                1.0,
+                0,
+                list.as_ptr(),
+                list.len(),
+                points,
+                capacity,
+                &mut count,
+                none,
+            ),
+            capsule_v1_membrane_at(model, workspace, 1.0, points, 2, totals.cast(), none),
+            capsule_v1_observables_at(model, workspace, late, points.cast(), none),
+            capsule_v1_volume_at(model, workspace, late, points, none),
+        ]
+    };
+    let expected = [
+        Status::Value,
+        Status::Choice,
+        Status::Choice,
+        Status::Short,
+        Status::Short,
+        Status::UnknownNode,
+        Status::UnknownNode,
+        Status::Short,
+        Status::Value,
+        Status::Value,
+    ];
+    assert_eq!(found, expected);
+    // SAFETY: they are there.
+    assert_eq!(unsafe { totals.cast::<[f32; 3]>().read() }, [7.0; 3]);
+    assert!(numbers == [7.0; 4096] && count == 99);
+}
+
+/// Memory that nobody has written yet is good enough to be filled.
+#[test]
+fn no_more_than_the_answer_is_written() {
+    let mut fixture = Fixture::new();
+    let mut numbers = [const { MaybeUninit::<f32>::uninit() }; 4096];
+    for last in &mut numbers[2048..] {
+        last.write(7.0);
+    }
+    let (points, mut count) = (numbers.as_mut_ptr().cast::<f32>(), 0);
+    assert_eq!(fixture.outline(0, points, 4096, &mut count, null_mut()), Status::Ok);
+    assert!(count > 0 && count < 2048);
+    // SAFETY: the call has written the first ones, and this test the last ones.
+    let (answer, rest) = unsafe {
+        (
+            slice::from_raw_parts(points, count),
+            slice::from_raw_parts(points.add(2048), 2048),
+        )
+    };
+    assert!(answer.iter().all(|number| number.is_finite()) && rest == [7.0; 2048]);
+}
+
+/// Of the array no more is read than the model has parameters, and none of it where the count is another.
+#[test]
+fn another_count_of_parameters_is_refused_before_they_are_read() {
+    let mut fixture = Fixture::new();
+    // One parameter only, in memory that ends there: Miri finds who reads another.
+    let one = Box::new(0.1_f32);
+    let unwritten = [const { MaybeUninit::<f32>::uninit() }; 2];
+    for count in [0, 1, 3, 4, 5, usize::MAX / 4, usize::MAX] {
+        for parameters in [&raw const *one, unwritten.as_ptr().cast()] {
+            let (mut error, mut domain) = (old_error(), Domain::Inside);
+            let asked = Query {
+                parameters,
+                parameter_count: count,
+                ..query(&[])
+            };
+            let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+            // SAFETY: the call is refused.
+            let status = unsafe { capsule_v1_prepare(model, workspace, &asked, &mut domain, &mut error) };
+            assert_eq!((status, domain), (Status::ParameterCount, Domain::Unknown), "{count}");
+            let found = (count as f64).min(f64::from(u32::MAX));
+            assert_eq!((error.found, error.least), (found, 2.0));
+        }
+    }
+}
+
+#[test]
+fn the_domain_is_said_of_what_is_refused_too() {
+    let mut fixture = Fixture::new();
+    let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+    let ask = |query: &Query| {
+        let mut domain = Domain::FarFromSamples;
+        // SAFETY: the fixture owns the memory.
+        let status = unsafe { capsule_v1_prepare(model, workspace, query, &mut domain, null_mut()) };
+        (status, domain)
+    };
+    let (inside, outside) = (parameters(0.1), parameters(0.9));
+    let extrapolated = Query {
+        extrapolate: 1,
+        ..query(&outside)
+    };
+    let no_step = Query {
+        step: -1.0,
+        ..query(&inside)
+    };
+    let no_method = Query {
+        method: 3,
+        ..query(&inside)
+    };
+    assert_eq!(ask(&query(&inside)), (Status::Ok, Domain::Inside));
+    assert_eq!(ask(&query(&outside)), (Status::OutsideDomain, Domain::Outside));
+    assert_eq!(ask(&extrapolated), (Status::Ok, Domain::Outside));
+    assert_eq!(ask(&no_step), (Status::Value, Domain::Inside));
+    assert_eq!(ask(&no_method), (Status::Choice, Domain::Unknown));
 }
 
 #[test]
@@ -347,8 +576,15 @@ fn questions_that_make_no_sense() {
     assert_eq!(fixture.prepare(&query(&[0.9, 0.9]), &mut error), Status::OutsideDomain);
     assert!((error.greatest - 0.2).abs() < 1e-6);
     // SAFETY: the name lies in the model's file.
-    let name = unsafe { slice::from_raw_parts(error.what.cast::<u8>(), error.what_length) };
-    assert_eq!(name, b"capillary_number");
+    let name = |error: &Error| unsafe { slice::from_raw_parts(error.what.cast::<u8>(), error.what_length) };
+    assert_eq!(name(&error), b"capillary_number");
+    assert_eq!(fixture.prepare(&query(&[f32::NAN, 0.9]), &mut error), Status::Value);
+    assert_eq!(name(&error), b"capillary_number");
+    assert_eq!(
+        fixture.prepare(&query(&[0.15, 1.15]), &mut error),
+        Status::BeyondSteadyLimit
+    );
+    assert_eq!(name(&error), b"capillary_number");
     let (mut numbers, mut count) = ([0.0; 512], 0);
     assert_eq!(
         fixture.outline(2, numbers.as_mut_ptr(), 512, &mut count, &mut error),

@@ -1,9 +1,13 @@
 //! Products of pairs of small integers, and square roots.
 //!
-//! A Cortex-M4 or M7 multiplies two pairs of halfwords and adds both products in one instruction, which the compiler does not
-//! use of itself, and has one for the square root, as WebAssembly has, which `core` does not offer. The instructions read and
-//! write registers only; elsewhere the same is said in Rust. This is the one place of the online stage that needs `unsafe`, so
-//! it is a crate of its own, and what it exports is safe.
+//! An ARM core with the DSP extension multiplies two pairs of halfwords and adds both products in one instruction, which the
+//! compiler does not use of itself; one with a floating-point unit has an instruction for the square root, as WebAssembly has,
+//! which `core` does not offer. The instructions read and write registers only; elsewhere the same is said in Rust. They need
+//! `unsafe`, which capsule-core forbids itself, so this is a crate of its own, and what it exports is safe.
+//!
+//! The build script asks the assembler which of the two there are. Cortex-M4 and M7 (`thumbv7em`) have the DSP extension
+//! always. Cortex-M33, M35P, M55 and M85 (`thumbv8m.main`) have it as an option: it is used where the compiler is told,
+//! `-C target-cpu=cortex-m33` for one. The flags must reach this crate: in RUSTFLAGS or in cargo's configuration.
 
 #![no_std]
 
@@ -15,7 +19,7 @@ pub fn sqrt(x: f32) -> f32 {
 
 /// The argument comes in the register of the result. (A function of its own, because the compiler takes no operands of the
 /// floating-point unit here.)
-#[cfg(all(armv7e_m, target_abi = "eabihf"))]
+#[cfg(all(vsqrt, target_abi = "eabihf"))]
 #[unsafe(naked)]
 extern "C" fn root(x: f32) -> f32 {
     core::arch::naked_asm!(".fpu fpv4-sp-d16", "vsqrt.f32 s0, s0", "bx lr")
@@ -29,7 +33,7 @@ fn root(x: f32) -> f32 {
 }
 
 #[cfg(not(any(
-    all(armv7e_m, target_abi = "eabihf"),
+    all(vsqrt, target_abi = "eabihf"),
     all(target_arch = "wasm32", target_feature = "simd128")
 )))]
 #[inline(always)]
@@ -44,7 +48,7 @@ pub fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
     add(sums, entries, pair)
 }
 
-#[cfg(armv7e_m)]
+#[cfg(smlad)]
 #[inline(always)]
 fn add([first, second]: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
     let entries = u32::from_le_bytes(entries);
@@ -54,7 +58,7 @@ fn add([first, second]: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
     ]
 }
 
-#[cfg(not(armv7e_m))]
+#[cfg(not(smlad))]
 #[inline(always)]
 fn add([first, second]: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
     let [a, b, c, d] = entries.map(|entry| i32::from(entry.cast_signed()));
@@ -64,7 +68,7 @@ fn add([first, second]: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
 }
 
 /// The bytes at bits `FROM` and `FROM` + 16, as halves with their sign.
-#[cfg(armv7e_m)]
+#[cfg(smlad)]
 #[inline(always)]
 fn bytes<const FROM: u32>(word: u32) -> u32 {
     let halves;
@@ -76,7 +80,7 @@ fn bytes<const FROM: u32>(word: u32) -> u32 {
 }
 
 /// sum + the products of the low and of the high halves.
-#[cfg(armv7e_m)]
+#[cfg(smlad)]
 #[inline(always)]
 fn add_halves(mut sum: i32, a: u32, b: u32) -> i32 {
     // SAFETY: the instruction computes a register from three.

@@ -1,8 +1,9 @@
 //! Writing a model file: the header, and pads that align every blob.
 
+use super::checksum::checksum;
 use super::read::{Cursor, Part};
 use super::wire::{Blob, Contents};
-use super::{CHECKSUM, HEADER_LENGTH, MAGIC, VERSION};
+use super::{HEADER_LENGTH, MAGIC, VERSION};
 use crate::error::EncodeError;
 
 const ALIGNMENT: usize = 16;
@@ -49,6 +50,6 @@ pub fn encode(contents: &Contents<'_>, buffer: &mut [u8]) -> Result<usize, Encod
     header[..4].copy_from_slice(&MAGIC);
     header[4..8].copy_from_slice(&VERSION.to_le_bytes());
     header[8..12].copy_from_slice(&announced.to_le_bytes());
-    header[12..].copy_from_slice(&CHECKSUM.checksum(&payload[..length]).to_le_bytes());
+    header[12..].copy_from_slice(&checksum(&payload[..length]).to_le_bytes());
     Ok(HEADER_LENGTH + length)
 }

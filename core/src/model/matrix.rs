@@ -451,29 +451,33 @@ impl<'a> MatrixView<'a> {
         let mut all = FactorsOf::NONE;
         factors.iter().for_each(|factor| all.include(*factor));
         let (unit, scale) = (all.unit(), all.scale());
-        // The blocks of two rows that take part, and the factors of both.
-        let mut places = [(0, [T::ZERO; 2]); SOME];
+        // The blocks of two rows that take part, and the factors of both, whose memory the blocks have afterwards.
+        let mut places = [0_u16; SOME];
+        let mut pairs = [[T::NO_PAIR]; SOME];
         let mut count = 0;
-        for (row, factor) in rows.iter().map(|row| usize::from(*row)).zip(factors) {
-            let known = part(&places, 0..count).iter().position(|(place, _)| *place == row / 2);
-            if let Some((place, factors)) = places.get_mut(known.unwrap_or(count)) {
-                *place = row / 2;
-                factors[row % 2] = scale * *factor;
-                count += usize::from(known.is_none());
+        {
+            let mut of_both = [[T::ZERO; 2]; SOME];
+            for (row, factor) in rows.iter().zip(factors) {
+                let known = part(&places, 0..count).iter().position(|place| *place == row / 2);
+                let place = known.unwrap_or(count);
+                if let (Some(number), Some(factors)) = (places.get_mut(place), of_both.get_mut(place)) {
+                    *number = row / 2;
+                    factors[usize::from(row % 2)] = scale * *factor;
+                    count += usize::from(known.is_none());
+                }
+            }
+            for (pair, [first, second]) in pairs.iter_mut().zip(part(&of_both, 0..count)) {
+                *pair = [T::pair(*first, *second)];
             }
         }
         let places = part(&places, 0..count);
-        let mut pairs = [[T::NO_PAIR]; SOME];
-        for (pair, (_, [first, second])) in pairs.iter_mut().zip(places) {
-            *pair = [T::pair(*first, *second)];
-        }
         let mut blocks = [Block::default(); SOME];
         let mut sums = [[[T::ZERO; LANES]; 1]];
         for first in (0..self.columns + integers.coarse).step_by(LANES) {
             let panel = integers.across(first / LANES, self.rows);
-            for (block, (place, _)) in blocks.iter_mut().zip(places) {
+            for (block, place) in blocks.iter_mut().zip(places) {
                 // Word by word: what moves bytes is called, and takes longer.
-                if let Some([a, b, c, d]) = panel.get(*place) {
+                if let Some([a, b, c, d]) = panel.get(usize::from(*place)) {
                     *block = [*a, *b, *c, *d];
                 }
             }

@@ -240,7 +240,7 @@ fn far_from_the_samples_is_said() {
         error
             .named(&model)
             .to_string()
-            .starts_with("parameter 2 = 2 lies outside"),
+            .starts_with("parameter_2 = 2 lies outside"),
         "{error}"
     );
 }

@@ -21,8 +21,13 @@ const INTRODUCTION: &str = "\
      capsule_..._at      what is asked at an instant; it computes that and nothing else
 
    Every function returns a status; capsule_status_text() says it in words. The last parameter, `error`, may be null;
-   else it is filled with the figures of the failure (on success too), unless a pointer overlaps or `error` itself is
-   misaligned. Pointers may not be null unless it is said; null, misaligned, short and overlapping ones are refused.
+   else every call fills it, with the figures of the failure or with zeros. Pointers may not be null unless it is said;
+   null, misaligned, short and overlapping ones are refused. Where `error` itself is misaligned, or shares memory with
+   another argument or with the model's file, the call is refused and `error` is left as it was.
+
+   Where a call fails, nothing else is written, but for the `domain` of capsule_prepare, the `scratch` of
+   capsule_membrane_at, a model that did not open, and, where the status is CAPSULE_STATUS_NOT_FINITE, the buffer of
+   points. A buffer is written as far as the answer goes, and not beyond.
 
    libcapsule_direct.a is without the paper's method, in half the workspace and four fifths of the code. A program that
    links it defines CAPSULE_DIRECT before it includes this.

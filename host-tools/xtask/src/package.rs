@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// Cortex-M4F; the library runs on a Cortex-M7 too.
 pub const CORTEX_M: &str = "thumbv7em-none-eabihf";
+/// Cortex-M33 with the DSP extension and the floating-point unit; the library runs on a Cortex-M35P, M55 and M85 too.
+pub const CORTEX_M33: &str = "thumbv8m.main-none-eabihf";
 
 /// A static library of the interface.
 pub struct Library {
@@ -29,7 +31,7 @@ pub const DIRECT: Library = Library {
 
 /// Builds the archives of this machine and of Cortex-M.
 pub fn package() -> Result<()> {
-    for target in [host()?, CORTEX_M.to_owned()] {
+    for target in [host()?, CORTEX_M.to_owned(), CORTEX_M33.to_owned()] {
         let folder = folder(&target)?;
         run(&mut command(&format!(
             "tar -czf {0}.tar.gz -C {1} {2}",
@@ -67,8 +69,7 @@ pub fn folder(target: &str) -> Result<PathBuf> {
 
 /// Builds a static library for a target.
 fn build(library: &Library, target: &str) -> Result<PathBuf> {
-    let cpu = if target == CORTEX_M { "cortex-m4" } else { "generic" };
-    interface(library, target, "staticlib", &format!("-C target-cpu={cpu}"))?;
+    interface(library, target, "staticlib", "")?;
     Ok(target_directory().join(target).join("embedded/libcapsule_capi.a"))
 }
 
@@ -76,11 +77,23 @@ fn build(library: &Library, target: &str) -> Result<PathBuf> {
 /// takes 2 % less code than its own limit for size.
 pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
     setup::rust_target(target)?;
-    run(&mut command(&format!(
+    let cpu = match target {
+        CORTEX_M => Some("cortex-m4"),
+        CORTEX_M33 => Some("cortex-m33"),
+        _ => None,
+    };
+    let mut build = command(&format!(
         "cargo rustc --quiet --package capsule-capi --crate-type {crate_type} --features {} --profile embedded \
          --target {target} -- -C llvm-args=-inline-threshold=7 {flags}",
         library.features
-    )))
+    ));
+    // Every crate is told the processor: capsule-dsp finds out which instructions it has.
+    if let Some(cpu) = cpu {
+        build
+            .env("RUSTFLAGS", format!("-C target-cpu={cpu}"))
+            .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    }
+    run(&mut build)
 }
 
 /// The target of this machine.

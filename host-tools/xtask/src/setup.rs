@@ -2,7 +2,7 @@
 //! installs it.
 
 use crate::command::{command, command_in, on_path, output, run};
-use crate::root;
+use crate::{package, root};
 use anyhow::{Result, anyhow, bail};
 
 /// The oldest Node that the page's tools run on.
@@ -12,7 +12,8 @@ const NODE_MAJOR: u32 = 20;
 pub fn everything() -> Result<()> {
     let missing: Vec<String> = [
         rust_target("wasm32-unknown-unknown"),
-        rust_target("thumbv7em-none-eabihf"),
+        rust_target(package::CORTEX_M),
+        rust_target(package::CORTEX_M33),
         debian_package("qemu-system-arm", "qemu-system-arm"),
         debian_package("chromium", "chromium"),
         npm_modules("explorer"),

@@ -22,9 +22,9 @@ enum Stage {
     Lint,
     /// unit, property and command tests of every crate
     Rust,
-    /// the core on an emulated Cortex-M4F
+    /// the core on emulated Cortex-M4F, M7 and M33
     Firmware,
-    /// the C interface: its archives, on this machine and on emulated Cortex-M4F and M7
+    /// the C interface: its archives, on this machine and on emulated Cortex-M4F, M7 and M33
     C,
     /// instructions, stack and bytes of the online stage on an emulated Cortex-M4F
     Budgets,
@@ -53,7 +53,8 @@ impl Stage {
         match self {
             Self::Lint | Self::Rust | Self::Fuzz => Ok(()),
             Self::Firmware => {
-                setup::rust_target("thumbv7em-none-eabihf")?;
+                setup::rust_target(package::CORTEX_M)?;
+                setup::rust_target(package::CORTEX_M33)?;
                 setup::debian_package("qemu-system-arm", "qemu-system-arm")
             }
             Self::Budgets => {
@@ -63,6 +64,7 @@ impl Stage {
             }
             Self::C => {
                 setup::rust_target(package::CORTEX_M)?;
+                setup::rust_target(package::CORTEX_M33)?;
                 setup::debian_package("gcc", "gcc g++ libc6-dev")?;
                 setup::debian_package("clang", "clang")?;
                 setup::debian_package("valgrind", "valgrind")?;
@@ -91,10 +93,16 @@ impl Stage {
             Self::Rust => run(&mut command("cargo test --workspace")),
             Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
             Self::C => {
-                let (host, cortex_m) = (package::folder(&package::host()?)?, package::folder(package::CORTEX_M)?);
-                run(command("cargo test --package capsule-capi --test c")
-                    .env("CAPSULE_HOST_PACKAGE", host)
-                    .env("CAPSULE_CORTEX_M_PACKAGE", cortex_m))
+                let host = package::host()?;
+                let mut test = command("cargo test --package capsule-capi --test c");
+                for (variable, target) in [
+                    ("CAPSULE_HOST_PACKAGE", &*host),
+                    ("CAPSULE_CORTEX_M_PACKAGE", package::CORTEX_M),
+                    ("CAPSULE_CORTEX_M33_PACKAGE", package::CORTEX_M33),
+                ] {
+                    test.env(variable, package::folder(target)?);
+                }
+                run(&mut test)
             }
             Self::Budgets => budgets::budgets(&budgets::Options::default()),
             Self::Fuzz => {
