@@ -120,6 +120,7 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
     /// that is not Rust's, where the stack has no room for a whole one.
     pub fn put(parts: &mut impl Parts) {
         parts.put(offset_of!(Self, prepared), None::<Prepared<T>>);
+        parts.put(offset_of!(Self, plausible), None::<T>);
         parts.put(offset_of!(Self, displacement.t), None::<T>);
         parts.put(offset_of!(Self, velocity.t), None::<T>);
         Contracted::<T, K>::put(parts, offset_of!(Self, contracted));

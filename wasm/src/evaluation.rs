@@ -59,6 +59,8 @@ impl Evaluation {
     /// # Errors
     /// Parameters that the core refuses: outside the domain without `extrapolate`, not finite, too few or too many.
     pub fn prepare(&mut self, parameters: &[f64], method: &str, extrapolate: bool) -> Result<String, JsError> {
+        // What is refused leaves nothing prepared.
+        self.query = Query::new([f32::NAN], Method::Direct);
         let method = match method {
             "direct" => Method::Direct,
             "paper" => Method::Paper,

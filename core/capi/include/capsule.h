@@ -49,12 +49,12 @@
 
 #if !defined(CAPSULE_DIRECT)
 // Words of eight bytes in a workspace.
-#define CAPSULE_WORKSPACE_WORDS 3407
+#define CAPSULE_WORKSPACE_WORDS 3410
 #endif
 
 #if defined(CAPSULE_DIRECT)
 // Words of eight bytes in a workspace.
-#define CAPSULE_WORKSPACE_WORDS 1575
+#define CAPSULE_WORKSPACE_WORDS 1578
 #endif
 
 // Bytes of a workspace.
@@ -64,7 +64,7 @@
 #define CAPSULE_WORKSPACE_ALIGNMENT 8
 
 // Words of eight bytes in a model.
-#define CAPSULE_MODEL_WORDS 713
+#define CAPSULE_MODEL_WORDS 780
 
 // Bytes of a model.
 #define CAPSULE_MODEL_SIZE (CAPSULE_MODEL_WORDS * 8)
@@ -131,6 +131,10 @@ enum capsule_status
   CAPSULE_STATUS_NO_SPHERE = 48,
   // The model has no such outline.
   CAPSULE_STATUS_NO_OUTLINE = 49,
+  // The answer is extrapolated: no bound of its error is known.
+  CAPSULE_STATUS_NO_BOUND = 50,
+  // No capsule has the extrapolated shape: `what` is `found`, it must be between `least` and `greatest`.
+  CAPSULE_STATUS_IMPOSSIBLE_SHAPE = 51,
   // An error that this version of the interface has no name for.
   CAPSULE_STATUS_OTHER = 99,
 };
@@ -267,6 +271,13 @@ typedef struct capsule_description {
   float end_time;
   // The method that `CAPSULE_METHOD_DEFAULT` stands for.
   capsule_method method;
+  // Constitutive law of the membrane in the full-order model that errors are measured against: `law_length` characters
+  // without a terminating zero, in the file's bytes.
+  const char *law;
+  // Length of `law`.
+  size_t law_length;
+  // Bending stiffness of that model, in G_s a^2; negative where it is not known.
+  float bending_stiffness;
 } capsule_description;
 
 // A parameter and the range in which it was sampled.
@@ -391,7 +402,8 @@ capsule_status capsule_v1_expected_error_at(const struct capsule_model *model,
                                             float *expected_error,
                                             struct capsule_error *error);
 
-// The bound that 95 of 100 errors are below at the instant `t`, like the expected error.
+// The bound that 95 of 100 errors are below at the instant `t`, like the expected error. Outside the sampled domain, where
+// `capsule_v1_prepare` says another domain than `CAPSULE_DOMAIN_INSIDE`, none is known: `CAPSULE_STATUS_NO_BOUND`.
 capsule_status capsule_v1_error_bound_at(const struct capsule_model *model,
                                          struct capsule_workspace *workspace,
                                          float t,

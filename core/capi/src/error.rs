@@ -168,6 +168,13 @@ impl Reason for EvaluateError {
             Self::NotFinite => Status::NotFinite.tell(failure),
             Self::NoSphere => Status::NoSphere.tell(failure),
             Self::UnknownNodeSet => Status::NoOutline.tell(failure),
+            Self::NoBound => Status::NoBound.tell(failure),
+            Self::WrongVolume { volume, min, max } => {
+                failure.numbers(Status::ImpossibleShape, "volume", volume, min, max)
+            }
+            Self::BeyondWall { reach } => {
+                failure.numbers(Status::ImpossibleShape, "distance from the axis", reach, 0.0, 1.0)
+            }
             _ => Status::Other.tell(failure),
         }
     }

@@ -106,6 +106,9 @@ pub unsafe extern "C" fn capsule_v1_describe(
                 rom::Method::Direct => Method::Direct,
                 rom::Method::Paper => Method::Paper,
             },
+            law: model.contents().metadata.membrane_law.as_ptr().cast(),
+            law_length: model.contents().metadata.membrane_law.len(),
+            bending_stiffness: model.contents().metadata.bending_stiffness.map_or(-1.0, |b| b as f32),
         });
         Ok(())
     };
@@ -199,17 +202,27 @@ pub unsafe extern "C" fn capsule_v1_prepare(
                 query.start().read(),
             )
         };
+        // What is refused here leaves nothing prepared either.
+        let refused = |workspace: &mut crate::opaque::CoreWorkspace, failed| {
+            workspace.forget();
+            Err(failed)
+        };
         let (expected, found) = (model.contents().metadata.parameters.len(), query.parameter_count);
         // SAFETY: the caller keeps what the module says.
         let parameters = Some(found)
             .filter(|found| *found == expected)
-            .and_then(|_| rom::Parameters::new(unsafe { parameters.values() }))
-            .ok_or_else(|| failure.counts(Status::ParameterCount, "", found, expected, 0))?;
+            .and_then(|_| rom::Parameters::new(unsafe { parameters.values() }));
+        let Some(parameters) = parameters else {
+            return refused(
+                workspace,
+                failure.counts(Status::ParameterCount, "", found, expected, 0),
+            );
+        };
         let method = match query.method {
             0 => model.contents().default_method,
             1 => rom::Method::Direct,
             2 => rom::Method::Paper,
-            other => return Err(failure.choice("method", other as usize, 2)),
+            other => return refused(workspace, failure.choice("method", other as usize, 2)),
         };
         let mut asked = rom::Query::new(parameters, method);
         asked.extrapolate = query.extrapolate != 0;
@@ -217,7 +230,9 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             asked.step = Some(query.step);
         }
         let prepared = failure.of(Evaluator::new(model, workspace))?.prepare(&asked);
-        say(place_of(&prepared, model.domain(parameters)).into());
+        // They are as many as the model's.
+        let found = model.domain(parameters).unwrap_or(rom::Domain::Outside);
+        say(place_of(&prepared, found).into());
         prepared.map_or_else(|error| Err(failure.query(error, model)), |_| Ok(()))
     };
     let buffers = [
@@ -303,7 +318,8 @@ pub unsafe extern "C" fn capsule_v1_expected_error_at(
     }
 }
 
-/// The bound that 95 of 100 errors are below at the instant `t`, like the expected error.
+/// The bound that 95 of 100 errors are below at the instant `t`, like the expected error. Outside the sampled domain, where
+/// `capsule_v1_prepare` says another domain than `CAPSULE_DOMAIN_INSIDE`, none is known: `CAPSULE_STATUS_NO_BOUND`.
 ///
 /// # Safety
 /// See [`functions`](self).

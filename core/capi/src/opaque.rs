@@ -19,16 +19,16 @@ pub const MOST_NEIGHBOURS: usize = 32;
 
 /// Words of eight bytes in a workspace.
 #[cfg(not(feature = "direct"))]
-pub const WORKSPACE_WORDS: usize = 3407;
+pub const WORKSPACE_WORDS: usize = 3410;
 /// Words of eight bytes in a workspace.
 #[cfg(feature = "direct")]
-pub const WORKSPACE_WORDS: usize = 1575;
+pub const WORKSPACE_WORDS: usize = 1578;
 /// Bytes of a workspace.
 pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
 /// Alignment of a workspace.
 pub const WORKSPACE_ALIGNMENT: usize = 8;
 /// Words of eight bytes in a model.
-pub const MODEL_WORDS: usize = 713;
+pub const MODEL_WORDS: usize = 780;
 /// Bytes of a model.
 pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
 /// Alignment of a model.

@@ -61,12 +61,16 @@ pub enum Status {
     NoSphere = 48,
     /// The model has no such outline.
     NoOutline = 49,
+    /// The answer is extrapolated: no bound of its error is known.
+    NoBound = 50,
+    /// No capsule has the extrapolated shape: `what` is `found`, it must be between `least` and `greatest`.
+    ImpossibleShape = 51,
     /// An error that this version of the interface has no name for.
     Other = 99,
 }
 
 impl Status {
-    const TEXTS: [(Self, &CStr); 27] = [
+    const TEXTS: [(Self, &CStr); 29] = [
         (Self::Ok, c"done"),
         (Self::Null, c"a pointer is null"),
         (Self::Misaligned, c"a pointer is not aligned for what it points to"),
@@ -108,6 +112,11 @@ impl Status {
             c"the model does not know the membrane's stress-free state",
         ),
         (Self::NoOutline, c"the model has no such outline"),
+        (
+            Self::NoBound,
+            c"the answer is extrapolated: no bound of its error is known",
+        ),
+        (Self::ImpossibleShape, c"no capsule has the extrapolated shape"),
         (
             Self::Other,
             c"an error that this version of the interface has no name for",

@@ -98,6 +98,13 @@ pub struct Description {
     pub end_time: f32,
     /// The method that `CAPSULE_METHOD_DEFAULT` stands for.
     pub method: Method,
+    /// Constitutive law of the membrane in the full-order model that errors are measured against: `law_length` characters
+    /// without a terminating zero, in the file's bytes.
+    pub law: *const c_char,
+    /// Length of `law`.
+    pub law_length: usize,
+    /// Bending stiffness of that model, in G_s a^2; negative where it is not known.
+    pub bending_stiffness: f32,
 }
 
 /// A parameter and the range in which it was sampled.

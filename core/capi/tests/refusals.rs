@@ -522,6 +522,62 @@ fn the_domain_is_said_of_what_is_refused_too() {
 }
 
 #[test]
+fn every_refused_query_leaves_nothing_prepared() {
+    let mut fixture = Fixture::new();
+    let good = parameters(0.1);
+    let method = Query {
+        method: 3,
+        ..query(&good)
+    };
+    let (nan, outside, few) = (parameters(f32::NAN), parameters(0.9), [0.1]);
+    for refused in [method, query(&nan), query(&outside), query(&few)] {
+        assert_eq!(fixture.prepare(&query(&good), null_mut()), Status::Ok);
+        assert_ne!(fixture.prepare(&refused, null_mut()), Status::Ok);
+        let (mut numbers, mut count) = ([0.0; 512], 0);
+        let status = fixture.outline(0, numbers.as_mut_ptr(), 512, &mut count, null_mut());
+        assert_eq!(status, Status::NotPrepared);
+    }
+}
+
+#[test]
+fn an_extrapolated_answer_has_no_bound_and_an_impossible_shape_is_refused() {
+    let mut fixture = Fixture::new();
+    let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
+    let mut error = no_error();
+    let prepare = |ca: f32| {
+        let values = parameters(ca);
+        let asked = Query {
+            extrapolate: 1,
+            ..query(&values)
+        };
+        let mut domain = Domain::Unknown;
+        // SAFETY: the fixture owns the memory.
+        let status = unsafe { capsule_v1_prepare(model, workspace, &asked, &mut domain, null_mut()) };
+        assert_eq!((status, domain), (Status::Ok, Domain::BeyondSteadyLimit));
+    };
+    let mut number = 7.0;
+    prepare(0.145);
+    // SAFETY: as before.
+    let status = unsafe { capsule_v1_expected_error_at(model, workspace, 0.0, &mut number, &mut error) };
+    assert!(status == Status::Ok && number > 0.0 && number < 1.0, "{number}");
+    number = 7.0;
+    // SAFETY: as before.
+    let status = unsafe { capsule_v1_error_bound_at(model, workspace, 0.0, &mut number, &mut error) };
+    assert_eq!((status, number, error.status), (Status::NoBound, 7.0, Status::NoBound));
+    // The family's volume is not kept.
+    prepare(0.2);
+    // SAFETY: as before.
+    let status = unsafe { capsule_v1_volume_at(model, workspace, 3.0, &mut number, &mut error) };
+    let impossible = Status::ImpossibleShape;
+    assert_eq!((status, number, error.status), (impossible, 7.0, impossible));
+    assert!(
+        error.found < error.least || error.found > error.greatest,
+        "{}",
+        error.found
+    );
+}
+
+#[test]
 fn objects_that_were_not_set_up() {
     let mut fixture = Fixture::new();
     let mut volume = 0.0;
@@ -585,6 +641,7 @@ fn questions_that_make_no_sense() {
         Status::BeyondSteadyLimit
     );
     assert_eq!(name(&error), b"capillary_number");
+    assert_eq!(fixture.prepare(&query(&[0.1, 0.9]), &mut error), Status::Ok);
     let (mut numbers, mut count) = ([0.0; 512], 0);
     assert_eq!(
         fixture.outline(2, numbers.as_mut_ptr(), 512, &mut count, &mut error),

@@ -113,7 +113,9 @@ impl<'a> Model<'a> {
         fmt::from_fn(move |f| match (reference, stiffness) {
             (Reference::Shape { .. }, _) => f.write_str("the data that the model was built from"),
             (Reference::Sphere, None) => write!(f, "the full-order model ({law})"),
-            (Reference::Sphere, Some(stiffness)) => write!(f, "the full-order model ({law}, B = {stiffness:e} G_s a^2)"),
+            (Reference::Sphere, Some(stiffness)) => {
+                write!(f, "the full-order model ({law}, B = {stiffness:e} G_s a^2)")
+            }
         })
     }
 
