@@ -31,18 +31,36 @@ static float random_number(void) {
   return (float)(state >> 8) / 16777216.0f;
 }
 
-/* A query to the observables of one instant. Where no steady state exists it is extrapolated, at the same cost. */
-static void ask(const char *name, uint32_t method, float capillary_number, float confinement, float t) {
+/* A query to the observables of one instant. Returns whether it was asked: within the sampled domain, or outside of it where
+   it is extrapolated. */
+static int ask(const char *name, uint32_t method, uint32_t extrapolate, float capillary_number, float confinement, float t) {
   const float parameters[] = {capillary_number, confinement};
-  const capsule_query query = {.parameters = parameters, .parameter_count = 2, .method = method, .extrapolate = 1};
+  const capsule_query query = {
+      .parameters = parameters, .parameter_count = 2, .method = method, .extrapolate = extrapolate};
+  capsule_domain domain;
   const uint32_t before = TIMER[1];
-  const capsule_status prepared = capsule_prepare(&model, &workspace, &query, NULL, NULL);
+  const capsule_status prepared = capsule_prepare(&model, &workspace, &query, &domain, NULL);
   const capsule_status status =
       prepared == CAPSULE_STATUS_OK ? capsule_observables_at(&model, &workspace, t, &observables, NULL) : prepared;
   const uint32_t ticks = before - TIMER[1];
-  /* Far outside, weights that do not sum to 1 are an answer too. */
-  if (status != CAPSULE_STATUS_WEIGHTS && status != CAPSULE_STATUS_NOT_FINITE && status != CAPSULE_STATUS_OUTSIDE_DOMAIN) check(status);
+  if ((domain == CAPSULE_DOMAIN_INSIDE) == (extrapolate != 0)) return 0;
+  /* Far outside, weights that do not sum to 1 and shapes that no capsule has are answers too. */
+  const int refused = status == CAPSULE_STATUS_WEIGHTS || status == CAPSULE_STATUS_NOT_FINITE ||
+                      status == CAPSULE_STATUS_OUTSIDE_DOMAIN || status == CAPSULE_STATUS_IMPOSSIBLE_SHAPE;
+  if (!extrapolate || !refused) check(status);
   printf("%s %lu\n", name, (unsigned long)(ticks * 5ull / 8));
+  return 1;
+}
+
+/* So many queries at random places and instants. */
+static void ask_randomly(const char *name, uint32_t method, uint32_t extrapolate, int count, const capsule_parameter *range) {
+  while (count > 0) {
+    float place[2];
+    for (int d = 0; d < 2; d++)
+      place[d] = (float)range[d].least + random_number() * (float)(range[d].greatest - range[d].least);
+    const float t = method == CAPSULE_METHOD_PAPER ? about.end_time : random_number() * about.end_time;
+    count -= ask(name, method, extrapolate, place[0], place[1], t);
+  }
 }
 
 int main(void) {
@@ -56,10 +74,7 @@ int main(void) {
   const float least[] = {(float)range[0].least, (float)range[1].least};
   const float width[] = {(float)range[0].greatest - least[0], (float)range[1].greatest - least[1]};
 
-  for (int i = 0; i < RANDOM; i++) {
-    const float ca = least[0] + random_number() * width[0], confinement = least[1] + random_number() * width[1];
-    ask("random", CAPSULE_METHOD_DIRECT, ca, confinement, random_number() * about.end_time);
-  }
+  ask_randomly("random", CAPSULE_METHOD_DIRECT, 0, RANDOM, range);
   /* A grid that meets the corners, the edges, the clusters' border and samples; each place also a little beside. */
   const float beside[] = {0, 1e-6f, -1e-6f, 1e-3f, -1e-3f};
   for (int i = 0; i <= 12; i++)
@@ -67,15 +82,13 @@ int main(void) {
       for (int k = 0; k < 5; k++) {
         const float ca = least[0] + width[0] * (float)i / 12 + beside[k] * width[0];
         const float confinement = least[1] + width[1] * (float)j / 12 + beside[k] * width[1];
-        ask("adversarial", CAPSULE_METHOD_DIRECT, ca, confinement, i % 3 ? about.end_time * (float)j / 12 : 0.0f);
+        ask("adversarial", CAPSULE_METHOD_DIRECT, 0, ca, confinement, i % 3 ? about.end_time * (float)j / 12 : 0.0f);
       }
-  /* Parameters far outside, the ends of what is accepted. */
+  /* Outside the whole surface is checked first: just beyond the domain, and at the ends of what is accepted. */
+  ask_randomly("extrapolated", CAPSULE_METHOD_DIRECT, 1, RANDOM / 10, range);
   const float far[] = {2e-6f, 1e-3f, 1, 1e3f, 1e6f};
   for (int i = 0; i < 5; i++)
-    for (int j = 0; j < 5; j++) ask("adversarial", CAPSULE_METHOD_DIRECT, far[i], far[j], about.end_time);
-  for (int i = 0; i < RANDOM / 250; i++) {
-    const float ca = least[0] + random_number() * width[0], confinement = least[1] + random_number() * width[1];
-    ask("paper", CAPSULE_METHOD_PAPER, ca, confinement, about.end_time);
-  }
+    for (int j = 0; j < 5; j++) ask("extrapolated", CAPSULE_METHOD_DIRECT, 1, far[i], far[j], about.end_time);
+  ask_randomly("paper", CAPSULE_METHOD_PAPER, 0, RANDOM / 250, range);
   return 0;
 }

@@ -159,8 +159,8 @@ fn spread(queries: usize) -> Result<()> {
     Ok(())
 }
 
-/// Instructions of queries to the observables, by rising number: random ones, adversarial ones, and a few by the paper's
-/// method.
+/// Instructions of queries to the observables, by rising number: random ones, adversarial ones, extrapolated ones, and a few by the
+/// paper's method.
 fn costs(package: &Path, queries: usize) -> Result<Vec<(&'static str, Vec<u64>)>> {
     let text = emulated(package, "spread.c", &[format!("-DRANDOM={queries}")])?;
     let of = |kind: &'static str| {
@@ -171,7 +171,7 @@ fn costs(package: &Path, queries: usize) -> Result<Vec<(&'static str, Vec<u64>)>
         counts.sort_unstable();
         Ok((kind, counts))
     };
-    ["random", "adversarial", "paper"].into_iter().map(of).collect()
+    ["random", "adversarial", "extrapolated", "paper"].into_iter().map(of).collect()
 }
 
 /// The number in the middle of sorted ones.
