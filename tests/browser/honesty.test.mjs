@@ -48,10 +48,13 @@ const set = async (page, patch) => {
 /** Waits for what a screen reader is told once things have come to rest. */
 async function announced(page) {
   await page.waitForFunction(() => document.querySelector("#announcement").textContent !== "");
-  return page.textContent("#announcement");
+  return words(page, "#announcement");
 }
 
-/** The accessible name of a read-out's row. */
+/** Text on screen, with plain spaces. */
+const words = async (page, selector) => (await page.innerText(selector)).replaceAll("\u00a0", " ");
+
+/** A read-out's row. */
 const rowOf = (page, quantity) => page.locator(`.readout:has(#${quantity})`);
 
 /** Nothing is drawn and nothing is read out. */
@@ -112,14 +115,14 @@ describe("an answer inside the sampled domain", () => {
     const native = predict(0.1, 0.9, [3], "direct");
     const against = `against ${native.errors_against.replace(" G_s a^2", "")}`;
     assert.match(against, /neo-Hookean, B = \d/);
-    const said = await page.innerText("#errors");
+    const said = await words(page, "#errors");
     assert.ok(said.includes(against), said);
     assert.match(said, /modified Hausdorff distance/);
     assert.ok((await announced(page)).endsWith(`errors ${against}`));
     for (const quantity of ["expected_error", "error_bound"]) {
       assert.equal(await rowOf(page, quantity).getAttribute("aria-describedby"), "errors");
       await set(page, { trace: quantity });
-      const caption = await page.innerText("#track .caption");
+      const caption = await words(page, "#track .caption");
       assert.ok(caption.includes(against), caption);
     }
     await set(page, { trace: "volume" });

@@ -11,7 +11,8 @@ export interface ErrorMeaning {
 /** Says it of a model: of a capsule in the channel, or of other people's data. */
 export function errorMeaning(model: Pick<Model, "isChannel" | "membraneLaw" | "bendingStiffness">): ErrorMeaning {
   const { isChannel, membraneLaw, bendingStiffness } = model;
-  const bending = bendingStiffness === undefined ? "" : `, B = ${short(bendingStiffness)}`;
+  // With spaces that no line breaks at.
+  const bending = bendingStiffness === undefined ? "" : `, B\u00a0=\u00a0${short(bendingStiffness)}`;
   const against = isChannel
     ? `against the full-order model (${membraneLaw}${bending})`
     : "against the data that the model was built from";

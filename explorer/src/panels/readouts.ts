@@ -78,7 +78,8 @@ export class Readouts {
   /** Shows that there is no answer, and has none spoken. */
   clear(): void {
     this.#markExtrapolated(false);
-    for (const output of this.#outputs.values()) {
+    for (const [quantity, output] of this.#outputs) {
+      this.#units.get(quantity)?.toggleAttribute("hidden", false);
       output.textContent = "–";
       delete output.dataset.value;
     }
