@@ -273,9 +273,9 @@ describe("a model of other people's data", () => {
       assert.equal(await page.getAttribute("#model", "data-digest"), native.model_digest);
       const shown = await figures(page);
       for (const quantity of QUANTITIES) {
-        // Natively other people's models are computed in double precision.
+        // Natively other people's models are computed in double precision; in single, sums take 16-bit whole numbers.
         const [found, expected] = [shown[quantity], native.instants[0][quantity]];
-        assert.ok(Math.abs(found - expected) < 1e-5, `${quantity}: ${found}, natively ${expected}`);
+        assert.ok(Math.abs(found - expected) < 1e-4, `${quantity}: ${found}, natively ${expected}`);
       }
       const errors = await page.innerText("#errors");
       assert.ok(errors.includes(`against ${native.errors_against}`), errors);
