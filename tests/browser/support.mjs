@@ -117,14 +117,14 @@ export function figures(page) {
   );
 }
 
-/** Runs the native `capsule-rom` and returns what it prints. CAPSULE_ROM names the program. */
+/** Runs the native `capsule-rom` and returns what it prints; throws with its words. CAPSULE_ROM names the program. */
 export function capsuleRom(options) {
   const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
   const program = process.env.CAPSULE_ROM ?? built;
   if (!existsSync(program)) {
     throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
   }
-  return execFileSync(program, options.map(String), { encoding: "utf8" });
+  return execFileSync(program, options.map(String), { encoding: "utf8", stdio: "pipe" });
 }
 
 /** What the native core says: the JSON of `capsule-rom predict`. */

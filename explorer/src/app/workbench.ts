@@ -27,7 +27,7 @@ const WHERE: Record<Exclude<Domain, "inside">, string> = {
 /** An answer with a bound, one without, or none. */
 type Answer = "given" | "extrapolated" | "refused";
 
-/** The open model on screen: after each change one frame, in which every visible part asks the core for what it shows. */
+/** The open model on screen: after each change one frame, in which every visible part asks the core what it shows. */
 export class Workbench {
   readonly #store: Store;
   readonly #map: ParameterMap;
@@ -177,8 +177,8 @@ export class Workbench {
       notify(undefined);
       return "given";
     }
-    const words = `Extrapolated: these parameters lie ${WHERE[domain]}. The expected error is a guess, no bound is known.`;
-    notify(words, [this.#nearest(capsule, state)]);
+    const words = `these parameters lie ${WHERE[domain]}. The expected error is a guess, no bound is known.`;
+    notify(`Extrapolated: ${words}`, [this.#nearest(capsule, state)]);
     return "extrapolated";
   }
 
