@@ -13,6 +13,9 @@ const SITUATIONS = {
   "phone, light": ["", { viewport: { width: 390, height: 844 }, colorScheme: "light" }],
   "refused parameters": ["#ca=0.9&al=0.9", { viewport: { width: 1440, height: 900 } }],
   "refused parameters, dark": ["#ca=0.9&al=0.9", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
+  "extrapolated": ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "light" }],
+  "extrapolated, dark": ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "dark" }],
+  "refused shape": ["#ca=0.15&al=1.1&t=20&extrapolate=1", { colorScheme: "light" }],
   "missing model": ["?model=./nothing.crom", { viewport: { width: 1440, height: 900 } }],
 };
 

@@ -6,18 +6,17 @@ import { after, before, describe, test } from "node:test";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { capsuleRom, figures, openPage, otherModel, predict, serve, settled, startBrowser } from "./support.mjs";
-
-const QUANTITIES = [
-  "axial_length",
-  "half_width",
-  "half_diagonal",
-  "rear_depth",
-  "velocity",
-  "volume",
-  "expected_error",
-  "error_bound",
-];
+import {
+  capsuleRom,
+  figures,
+  openPage,
+  otherModel,
+  predict,
+  QUANTITIES,
+  serve,
+  settled,
+  startBrowser,
+} from "./support.mjs";
 
 /** Without the space view, which an emulated graphics card draws slowly. */
 const FLAT = "&views=midplane.diagonal.transversal";
@@ -193,15 +192,6 @@ describe("parameters outside", () => {
     assert.equal(await page.innerText("#notice"), "");
   });
 
-  onPage("are extrapolated only when asked, and marked", `#ca=0.05&al=1.25&t=1${FLAT}`, async (page) => {
-    assert.equal(await page.getAttribute("body", "data-answer"), "refused");
-    await page.click("#notice button:last-of-type");
-    await settled(page);
-    assert.equal(await page.getAttribute("body", "data-answer"), "given");
-    assert.match(await page.innerText("#notice"), /Extrapolated/);
-    assert.match(page.url(), /al=1.25/);
-  });
-
   onPage("that are no numbers for a channel are refused", `#ca=-0.1&al=0.9&t=1${FLAT}`, async (page) => {
     assert.equal(await page.getAttribute("body", "data-answer"), "refused");
     assert.match(await page.innerText("#notice"), /-0\.1/);
@@ -283,8 +273,14 @@ describe("a model of other people's data", () => {
       assert.equal(await page.getAttribute("#model", "data-digest"), native.model_digest);
       const shown = await figures(page);
       for (const quantity of QUANTITIES) {
-        assert.equal(Math.fround(shown[quantity]), Math.fround(native.instants[0][quantity]), quantity);
+        // Natively other people's models are computed in double precision; in single, sums take 16-bit whole numbers.
+        const [found, expected] = [shown[quantity], native.instants[0][quantity]];
+        assert.ok(Math.abs(found - expected) < 1e-4, `${quantity}: ${found}, natively ${expected}`);
       }
+      const errors = await page.innerText("#errors");
+      assert.ok(errors.includes(`against ${native.errors_against}`), errors);
+      assert.match(errors, /mean distance of the nodes/);
+      assert.doesNotMatch(errors, /full-order|Hausdorff/);
       assert.match(await page.innerText("#readouts"), /length unit/);
       await page.waitForFunction(() => window.location.hash.includes("p=0.05"));
       await fill(page, "parameter-1", 1.1);

@@ -2,9 +2,8 @@
 // Everything is fulfilled from files, so that no server takes part.
 
 import { resolve } from "node:path";
-import { MODEL, startBrowser } from "./support.mjs";
+import { MODEL, startBrowser, WASM } from "./support.mjs";
 
-const WASM = resolve(import.meta.dirname, "../../explorer/src/wasm");
 const FILES = {
   "/capsule_wasm.js": resolve(WASM, "capsule_wasm.js"),
   "/capsule_wasm_bg.wasm": resolve(WASM, "capsule_wasm_bg.wasm"),
@@ -34,7 +33,7 @@ async function measure() {
   const evaluation = model.evaluation();
   for (const method of ["direct", "paper"]) {
     // Each query is new, or the core would answer from what it still holds.
-    const query = (i) => evaluation.prepare(Float32Array.of(0.05 + 1e-6 * (i % 40_000), 0.9), method, false);
+    const query = (i) => evaluation.prepare(Float64Array.of(0.05 + 1e-6 * (i % 40_000), 0.9), method, false);
     const readings = (t) => {
       evaluation.goTo(t);
       evaluation.readings().free();

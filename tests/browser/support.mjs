@@ -1,7 +1,7 @@
 // What the tests share: the server, the browser, a page that fails on console errors, and the native core.
 
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { resolve } from "node:path";
 import { chromium } from "playwright-core";
@@ -20,6 +20,28 @@ const ARGUMENTS = [
 
 /** The shipped model, or the one that the page was built with. */
 export const MODEL = resolve(ROOT, process.env.CAPSULE_MODEL ?? "models/capsule.crom");
+
+/** The WebAssembly module, as `cargo xtask explore --build-only` builds it. */
+export const WASM = resolve(ROOT, "explorer/src/wasm");
+
+/** The model, opened by that module in Node. */
+export async function openModel() {
+  const { initSync, Model } = await import(resolve(WASM, "capsule_wasm.js"));
+  initSync({ module: readFileSync(resolve(WASM, "capsule_wasm_bg.wasm")) });
+  return Model.open(readFileSync(MODEL));
+}
+
+/** The read-outs, by the names that they have in JSON. */
+export const QUANTITIES = [
+  "axial_length",
+  "half_width",
+  "half_diagonal",
+  "rear_depth",
+  "velocity",
+  "volume",
+  "expected_error",
+  "error_bound",
+];
 
 /** Starts Chromium; CHROMIUM names another executable. `extra` are further arguments. */
 export function startBrowser(extra = []) {
@@ -95,19 +117,20 @@ export function figures(page) {
   );
 }
 
-/** Runs the native `capsule-rom` and returns what it prints. CAPSULE_ROM names the program. */
+/** Runs the native `capsule-rom` and returns what it prints; throws with its words. CAPSULE_ROM names the program. */
 export function capsuleRom(options) {
   const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
   const program = process.env.CAPSULE_ROM ?? built;
   if (!existsSync(program)) {
     throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
   }
-  return execFileSync(program, options.map(String), { encoding: "utf8" });
+  return execFileSync(program, options.map(String), { encoding: "utf8", stdio: "pipe" });
 }
 
 /** What the native core says: the JSON of `capsule-rom predict`. */
-export function predict(ca, confinement, times, method) {
+export function predict(ca, confinement, times, method, extrapolate = false) {
   const query = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
+  if (extrapolate) query.push("--extrapolate");
   return JSON.parse(capsuleRom(["predict", ...query, "--model", MODEL, "--json"]));
 }
 

@@ -9,13 +9,14 @@ use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
 /// One query of a model and the storage for answering it. The core keeps there what it has computed, so a query that is
-/// set twice, or an instant that several methods ask for, is computed once.
+/// set twice, or an instant that several methods ask for, is computed once. A query that is refused leaves none: what
+/// is asked then is refused too, and not answered for the query before.
 #[wasm_bindgen]
 pub struct Evaluation {
     shared: Rc<Shared>,
     workspace: Box<Workspace<f32>>,
     playback: Playback<f32, Vec<f32>>,
-    query: Query<f32>,
+    query: Option<Query<f32>>,
     t: f32,
 }
 
@@ -60,7 +61,7 @@ impl Evaluation {
     /// Parameters that the core refuses: outside the domain without `extrapolate`, not finite, too few or too many.
     pub fn prepare(&mut self, parameters: &[f64], method: &str, extrapolate: bool) -> Result<String, JsError> {
         // What is refused leaves nothing prepared.
-        self.query = Query::new([f32::NAN], Method::Direct);
+        self.query = None;
         let method = match method {
             "direct" => Method::Direct,
             "paper" => Method::Paper,
@@ -74,13 +75,14 @@ impl Evaluation {
         let found = parameters.len();
         let parameters =
             Parameters::from_doubles(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;
-        self.query = Query {
+        let query = Query {
             extrapolate,
             ..Query::new(parameters, method)
         };
         let model = self.shared.core();
-        let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&self.query);
+        let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&query);
         let domain = prepared.map_err(|error| JsError::new(&error.named(model).to_string()))?;
+        self.query = Some(query);
         Ok(domain.name().to_owned())
     }
 
@@ -93,7 +95,8 @@ impl Evaluation {
     /// Lengths and velocity; computes the two outlines only.
     ///
     /// # Errors
-    /// No query, or an instant outside the model's times; so for all that follow.
+    /// No query, an instant outside the model's times, or an extrapolated shape that no capsule has; so for all that
+    /// follow.
     pub fn readings(&mut self) -> Result<Readings, JsError> {
         let found = self.ask(|instant| instant.observables())?;
         Ok(Readings {
@@ -110,20 +113,27 @@ impl Evaluation {
         self.ask(|instant| instant.volume())
     }
 
-    /// Expected distance to the full-order model, laboratory frame, as a fraction of a. Outside the sampled domain it
-    /// is a guess.
+    /// Expected distance, laboratory frame, as a fraction of a: in the channel the modified Hausdorff distance to the
+    /// full-order model, else the mean distance of the nodes to the data. Outside the sampled domain it is a guess.
     #[wasm_bindgen(js_name = expectedError)]
     pub fn expected_error(&mut self) -> Result<f32, JsError> {
-        self.ask(|instant| instant.expected_error())
+        self.ask(|instant| {
+            // A shape that is refused has no error either.
+            instant.centroid()?;
+            instant.expected_error()
+        })
     }
 
     /// The bound that 95 % of the errors are below, like the expected error; undefined outside the sampled domain,
     /// where none is calibrated.
     #[wasm_bindgen(js_name = errorBound)]
     pub fn error_bound(&mut self) -> Result<Option<f32>, JsError> {
-        self.ask(|instant| match instant.error_bound() {
-            Err(EvaluateError::NoBound) => Ok(None),
-            bound => bound.map(Some),
+        self.ask(|instant| {
+            instant.centroid()?;
+            match instant.error_bound() {
+                Err(EvaluateError::NoBound) => Ok(None),
+                bound => bound.map(Some),
+            }
         })
     }
 
@@ -164,7 +174,7 @@ impl Evaluation {
             shared,
             playback: Playback::new(vec![0.0; room]),
             workspace: Box::default(),
-            query: Query::new([f32::NAN], Method::Direct),
+            query: None,
             t: 0.0,
         }
     }
@@ -175,14 +185,14 @@ impl Evaluation {
         question: impl FnOnce(&mut Instant<'_, '_, f32>) -> Result<A, EvaluateError>,
     ) -> Result<A, JsError> {
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
-        evaluator.prepare(&self.query)?;
+        evaluator.prepare(self.query.as_ref().ok_or(EvaluateError::NotPrepared)?)?;
         Ok(question(&mut evaluator.at(self.t)?)?)
     }
 
     fn all_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {
         let mut nodes = vec![[0.0; 3]; self.shared.nodes];
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
-        evaluator.prepare(&self.query)?;
+        evaluator.prepare(self.query.as_ref().ok_or(EvaluateError::NotPrepared)?)?;
         evaluator.frame(self.t, Frame::Centroid, &mut self.playback, &mut nodes)?;
         Ok(nodes)
     }

@@ -1,5 +1,7 @@
-import { type Capsule, type Outline, text } from "../model/capsule";
-import { notify, tieParameters } from "../panels/parameters";
+import { type Capsule, type Domain, type Outline, text } from "../model/capsule";
+import { errorMeaning } from "../model/errors";
+import { type Action, notify, tieParameters } from "../panels/parameters";
+import { ERRORS, nameOf } from "../panels/quantities";
 import { Readouts } from "../panels/readouts";
 import { ParameterSliders } from "../panels/sliders";
 import { stepped, TimeAxis, timeDigits } from "../panels/time-axis";
@@ -15,7 +17,17 @@ import { Visibility } from "./visibility";
 
 const OUTLINES: readonly Outline[] = ["midplane", "diagonal"];
 
-/** The open model on screen: after each change one frame, in which every visible part asks the core for what it shows. */
+/** Where parameters lie that are extrapolated to. */
+const WHERE: Record<Exclude<Domain, "inside">, string> = {
+  outside: "outside the sampled range",
+  "far-from-samples": "far from all samples",
+  "beyond-steady-limit": "beyond the largest steady Ca",
+};
+
+/** An answer with a bound, one without, or none. */
+type Answer = "given" | "extrapolated" | "refused";
+
+/** The open model on screen: after each change one frame, in which every visible part asks the core what it shows. */
 export class Workbench {
   readonly #store: Store;
   readonly #map: ParameterMap;
@@ -31,6 +43,7 @@ export class Workbench {
   #frame = 0;
   #lastFrame = 0;
   #plotted = "";
+  #against = "";
 
   constructor(store: Store) {
     this.#store = store;
@@ -38,8 +51,7 @@ export class Workbench {
     this.#sliders = new ParameterSliders(element("sliders", HTMLElement), (parameters) =>
       store.set({ parameters, extrapolate: false }),
     );
-    const announcement = element("announcement", HTMLElement);
-    this.#readouts = new Readouts(element("readouts", HTMLElement), announcement, (trace) => store.set({ trace }));
+    this.#readouts = new Readouts((trace) => store.set({ trace }));
     const slider = element("time", HTMLInputElement);
     this.#time = new TimeAxis(
       element("track", HTMLElement),
@@ -90,6 +102,9 @@ export class Workbench {
     const parameters = model.isChannel ? [] : this.#sliders.offer(model.parameterNames(), ranges, this.#store.state);
     const units = model.isChannel ? { length: "ℓ", velocity: "V" } : { length, velocity };
     this.#readouts.setUnits(units);
+    const meaning = errorMeaning(model);
+    this.#against = meaning.against;
+    this.#readouts.setErrors(meaning);
     element("time-unit", HTMLElement).textContent = model.isChannel ? "ℓ/V" : time;
     this.#time.setEnd(end, model.isChannel ? "l/V" : time);
     this.#solid?.setTriangles(model.triangles());
@@ -123,62 +138,100 @@ export class Workbench {
     if (capsule.model.isChannel) this.#map.show(state);
     else this.#sliders.show(state.parameters);
     this.#readouts.mark(state.trace);
-    const answered = this.#answer(capsule, state);
-    document.body.dataset.answer = answered ? "given" : "refused";
-    this.#plot(capsule, state, answered);
-    if (!answered) {
-      this.#readouts.show(undefined);
-      this.#time.show(state.t, undefined);
-    } else if (!state.playing) {
+    const domain = this.#prepare(capsule, state);
+    const answer = domain === undefined ? "refused" : this.#show(capsule, state, domain);
+    if (answer === "refused") this.#clear(state);
+    this.#mark(answer);
+    this.#plot(capsule, state, domain);
+    if (answer !== "refused" && !state.playing) {
       const names = capsule.model.isChannel ? ["Ca", "a/l"] : capsule.model.parameterNames();
       const words = capsule.parameters(state).map((value, i) => `${names[i]} ${value}`);
       this.#readouts.announce(`${words.join(", ")}, time ${state.t.toFixed(timeDigits(state.end))}`);
     }
   }
 
-  /** Asks for everything visible and shows it; when the core refuses, its words and a way out are shown. */
-  #answer(capsule: Capsule, state: State): boolean {
-    const isChannel = capsule.model.isChannel;
-    const place = [...capsule.model.nearest(Float64Array.from(capsule.parameters(state)))];
-    const [ca = 0, confinement = 0] = place;
-    const nearest = {
-      label: `Go to the nearest point inside, ${place.join(", ")}`,
-      run: () => this.#store.set({ ...(isChannel ? { ca, confinement } : { parameters: place }), extrapolate: false }),
-    };
+  /** Sets the query; a refusal is shown. */
+  #prepare(capsule: Capsule, state: State): Domain | undefined {
     try {
-      const domain = capsule.prepare(state);
-      capsule.now.goTo(state.t);
-      this.#readouts.show((quantity) => capsule.read(quantity));
-      this.#time.show(state.t, capsule.read(state.trace));
-      this.#drawFigures(capsule, state);
-      if (domain === "inside") {
-        notify(undefined);
-      } else {
-        const where = {
-          outside: "outside the sampled range",
-          "far-from-samples": "far from all samples",
-          "beyond-steady-limit": "beyond the largest steady Ca",
-        }[domain];
-        notify(`Extrapolated: these parameters lie ${where}, so no figure here is backed by the model.`, [nearest]);
-      }
-      return true;
+      return capsule.prepare(state);
     } catch (error) {
-      const extrapolate = { label: "Extrapolate", run: () => this.#store.set({ extrapolate: true }) };
-      const words = text(error);
-      const positive = !isChannel || (state.ca > 0 && state.confinement > 0);
-      notify(`${words.charAt(0).toUpperCase()}${words.slice(1)}.`, positive ? [nearest, extrapolate] : [nearest]);
-      return false;
+      this.#refuse(capsule, state, text(error));
+      return undefined;
     }
   }
 
+  /** Asks for everything visible at the instant and shows it; a refusal is shown. */
+  #show(capsule: Capsule, state: State, domain: Domain): Answer {
+    const extrapolated = domain !== "inside";
+    try {
+      capsule.now.goTo(state.t);
+      this.#readouts.show((quantity) => capsule.read(quantity), extrapolated);
+      this.#time.show(state.t, capsule.read(state.trace));
+      this.#drawFigures(capsule, state);
+    } catch (error) {
+      const t = Number(state.t.toFixed(timeDigits(state.end)));
+      this.#refuse(capsule, state, `no answer at t = ${t}: ${text(error)}`);
+      return "refused";
+    }
+    if (!extrapolated) {
+      notify(undefined);
+      return "given";
+    }
+    const words = `these parameters lie ${WHERE[domain]}. The expected error is a guess, no bound is known.`;
+    notify(`Extrapolated: ${words}`, [this.#nearest(capsule, state)]);
+    return "extrapolated";
+  }
+
+  /** Shows the core's words and the ways out. */
+  #refuse(capsule: Capsule, state: State, words: string): void {
+    const actions = [this.#nearest(capsule, state)];
+    const positive = !capsule.model.isChannel || (state.ca > 0 && state.confinement > 0);
+    if (positive && !state.extrapolate) {
+      actions.push({ label: "Extrapolate", run: () => this.#store.set({ extrapolate: true }) });
+    }
+    notify(`${words.charAt(0).toUpperCase()}${words.slice(1)}.`, actions);
+  }
+
+  #nearest(capsule: Capsule, state: State): Action {
+    const place = [...capsule.model.nearest(Float64Array.from(capsule.parameters(state)))];
+    const [ca = 0, confinement = 0] = place;
+    const parameters = capsule.model.isChannel ? { ca, confinement } : { parameters: place };
+    return {
+      label: `Go to the nearest point inside, ${place.join(", ")}`,
+      run: () => this.#store.set({ ...parameters, extrapolate: false }),
+    };
+  }
+
+  /** Leaves nothing of the answer before on screen, and stays at the instant that the notice speaks of. */
+  #clear(state: State): void {
+    this.#store.set({ playing: false });
+    this.#readouts.clear();
+    this.#time.show(state.t, undefined);
+    for (const view of [...Object.values(this.#sections), this.#transversal, this.#solid]) {
+      view?.draw(undefined);
+    }
+  }
+
+  #mark(answer: Answer): void {
+    document.body.dataset.answer = answer;
+    const suffix = { given: "", extrapolated: ", extrapolated", refused: ": there is no shape to show" }[answer];
+    element("figures", HTMLElement).ariaLabel = `Views of the capsule${suffix}`;
+  }
+
   /** Plots the chosen read-out when the query or the choice has changed. */
-  #plot(capsule: Capsule, state: State, answered: boolean): void {
+  #plot(capsule: Capsule, state: State, domain: Domain | undefined): void {
     const { method, extrapolate, trace } = state;
-    const wanted = JSON.stringify([capsule.parameters(state), method, extrapolate, trace, answered]);
+    const wanted = JSON.stringify([capsule.parameters(state), method, extrapolate, trace]);
     if (wanted === this.#plotted) return;
     this.#plotted = wanted;
-    const read = (t: number) => capsule.readAt(t, trace);
-    this.#time.plot(trace, answered ? read : undefined);
+    if (domain === undefined) {
+      this.#time.plot(undefined);
+      return;
+    }
+    const extrapolated = domain !== "inside";
+    const name = `${extrapolated ? "Extrapolated: " : ""}${nameOf(trace, extrapolated)}`;
+    const title = ERRORS.has(trace) ? `${name} ${this.#against}` : name;
+    this.#time.plot({ quantity: trace, title, read: (t) => capsule.readAt(t, trace) });
   }
 
   #drawFigures(capsule: Capsule, state: State): void {
@@ -198,7 +251,7 @@ export class Workbench {
       if (outline === undefined || !seen(name)) continue;
       this.#sections[name].draw({
         outline,
-        initial: state.initial ? capsule.initialOutline(name) : undefined,
+        initial: state.initial ? capsule.initial(name) : undefined,
         centroid,
         frame: state.frame,
         section: shown("transversal") ? state.section : undefined,
@@ -216,9 +269,10 @@ export class Workbench {
     }
   }
 
-  /** The numbers on screen, for scripts that drive the page. */
+  /** The numbers of the state, for scripts that drive the page: drawn first where the next frame still has to do it. */
   read(): Record<string, number | string | boolean> {
     const { state } = this.#store;
+    if (this.#frame !== 0 && this.#capsule !== undefined) this.#draw(this.#capsule, state);
     const figures = Object.fromEntries(
       [...document.querySelectorAll<HTMLOutputElement>("output[data-value]")].map((output) => [
         output.dataset.quantity as Quantity,
@@ -227,7 +281,7 @@ export class Workbench {
     );
     const { ca, confinement, parameters, t, method } = state;
     const query = parameters.length > 0 ? { parameters: parameters.join(",") } : { ca, confinement };
-    return { ...query, t, method, ...figures };
+    return { ...query, t, method, answer: document.body.dataset.answer ?? "refused", ...figures };
   }
 }
 
@@ -272,7 +326,7 @@ function solidScene(
   return {
     positions: capsule.surface(),
     // In the centroid's frame the two surfaces would lie in one another; there the sections compare them.
-    initial: state.initial && state.frame === "laboratory" ? capsule.initialSurface() : undefined,
+    initial: state.initial && state.frame === "laboratory" ? capsule.initial("surface") : undefined,
     centroid,
     frame: state.frame,
     cuts,

@@ -30,8 +30,8 @@ export class Capsule {
   #query: Query | undefined;
   #parameters: readonly number[] = [];
   #domain: Domain = "inside";
-  #initialSurface: Float32Array | undefined;
-  readonly #initialOutlines = new Map<Outline, Float32Array>();
+  /** What has been asked of the shape at t = 0. */
+  readonly #initial = new Map<Outline | "surface", Float32Array | undefined>();
 
   private constructor(model: Model, bytes: number) {
     this.model = model;
@@ -96,8 +96,7 @@ export class Capsule {
       query.extrapolate === this.#query.extrapolate;
     if (!same) {
       this.#query = undefined;
-      this.#initialSurface = undefined;
-      this.#initialOutlines.clear();
+      this.#initial.clear();
       this.#parameters = parameters;
       this.#domain = prepare(this.now, parameters, query);
       this.#query = query;
@@ -138,26 +137,28 @@ export class Capsule {
     return this.#length === 1 ? points : points.map((x) => x / this.#length);
   }
 
-  /** Vertices at t = 0, relative to the centroid. */
-  initialSurface(): Float32Array {
-    this.#initialSurface ??= this.#drawn(this.#at(0).surface());
-    return this.#initialSurface;
+  /** Vertices at t = 0, relative to the centroid, or an outline; undefined where the core refuses the shape there. */
+  initial(what: Outline | "surface"): Float32Array | undefined {
+    if (!this.#initial.has(what)) {
+      let points: Float32Array | undefined;
+      try {
+        const start = this.#at(0);
+        points = this.#drawn(what === "surface" ? start.surface() : start.outline(what));
+      } catch {
+        // The instant on screen may have an answer all the same. Why this one has none is said when one goes there.
+      }
+      this.#initial.set(what, points);
+    }
+    return this.#initial.get(what);
   }
 
-  /** An outline at t = 0. */
-  initialOutline(name: Outline): Float32Array {
-    const outline = this.#initialOutlines.get(name) ?? this.#drawn(this.#at(0).outline(name));
-    this.#initialOutlines.set(name, outline);
-    return outline;
-  }
-
-  /** A read-out at another instant. */
-  readAt(t: number, quantity: Quantity): number {
+  /** A read-out at another instant; undefined is a bound that does not exist. */
+  readAt(t: number, quantity: Quantity): number | undefined {
     return read(this.#at(t), quantity);
   }
 
-  /** A read-out at the instant on screen. */
-  read(quantity: Quantity): number {
+  /** A read-out at the instant on screen; undefined is a bound that does not exist. */
+  read(quantity: Quantity): number | undefined {
     return read(this.now, quantity);
   }
 
@@ -168,19 +169,18 @@ export class Capsule {
   }
 
   #at(t: number): Evaluation {
-    if (this.#query !== undefined) {
-      prepare(this.#elsewhere, this.#parameters, this.#query);
-    }
+    if (this.#query === undefined) throw new Error("an instant was asked for of a query that is refused");
+    prepare(this.#elsewhere, this.#parameters, this.#query);
     this.#elsewhere.goTo(t);
     return this.#elsewhere;
   }
 }
 
 function prepare(evaluation: Evaluation, parameters: readonly number[], { method, extrapolate }: Query): Domain {
-  return evaluation.prepare(Float32Array.from(parameters), method satisfies Method, extrapolate) as Domain;
+  return evaluation.prepare(Float64Array.from(parameters), method satisfies Method, extrapolate) as Domain;
 }
 
-function read(evaluation: Evaluation, quantity: Quantity): number {
+function read(evaluation: Evaluation, quantity: Quantity): number | undefined {
   switch (quantity) {
     case "volume":
       return evaluation.volume();

@@ -32,11 +32,14 @@ export function tieParameters(store: Store): void {
   show(store.state);
 }
 
+/** A way out that a notice offers. */
+export interface Action {
+  readonly label: string;
+  readonly run: () => void;
+}
+
 /** Says under the map why there is no answer, or with what caution one is given, and offers what can be done. */
-export function notify(
-  words: string | undefined,
-  actions: readonly { readonly label: string; readonly run: () => void }[] = [],
-): void {
+export function notify(words: string | undefined, actions: readonly Action[] = []): void {
   const notice = element("notice", HTMLElement);
   for (const id of ["ca", "confinement"]) {
     element(id, HTMLInputElement).ariaInvalid = String(words !== undefined);

@@ -23,10 +23,24 @@ export const PRESENTATION: Record<Quantity, Presentation> = {
   error_bound: { name: "95 % error bound", unit: "% a", scale: 100, digits: 3 },
 };
 
+/** The read-outs that are errors: what they are taken against is said wherever they are shown. */
+export const ERRORS: ReadonlySet<Quantity> = new Set(["expected_error", "error_bound"]);
+
+/** The name of a read-out. Outside the sampled domain the expected error is a guess. */
+export function nameOf(quantity: Quantity, extrapolated: boolean): string {
+  const { name } = PRESENTATION[quantity];
+  return extrapolated && quantity === "expected_error" ? `${name}, a guess` : name;
+}
+
 /** The units of a capsule in the channel. */
 export const STANDARD_UNITS = Object.fromEntries(
   Object.entries(PRESENTATION).map(([quantity, { unit }]) => [quantity, unit]),
 ) as Record<Quantity, string>;
+
+/** A number with its unit; undefined is an error bound that does not exist. */
+export function measure(quantity: Quantity, value: number | undefined): string {
+  return value === undefined ? "none" : `${written(quantity, value)} ${PRESENTATION[quantity].unit}`;
+}
 
 /** A number as its read-out shows it. */
 export function written(quantity: Quantity, value: number): string {

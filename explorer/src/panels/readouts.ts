@@ -1,37 +1,53 @@
-import { html } from "../app/page";
+import { element, html } from "../app/page";
 import { QUANTITIES, type Quantity } from "../app/state";
-import { PRESENTATION, STANDARD_UNITS, written } from "./quantities";
+import type { ErrorMeaning } from "../model/errors";
+import { ERRORS, measure, nameOf, PRESENTATION, STANDARD_UNITS, written } from "./quantities";
+
+const LABEL = "Read-outs; the chosen one is plotted along time";
 
 /** The figures of the instant on screen. Each output carries its number in full in `data-value`. */
 export class Readouts {
   readonly #outputs = new Map<Quantity, HTMLOutputElement>();
   readonly #rows = new Map<Quantity, HTMLButtonElement>();
+  readonly #names = new Map<Quantity, HTMLElement>();
   readonly #units = new Map<Quantity, HTMLElement>();
-  readonly #announcement: HTMLElement;
+  readonly #panel = element("readouts", HTMLElement);
+  readonly #announcement = element("announcement", HTMLElement);
+  readonly #mark = element("extrapolated", HTMLElement);
+  readonly #errors = element("errors", HTMLElement);
+  #against = "";
   #announcing = 0;
 
-  constructor(panel: HTMLElement, announcement: HTMLElement, onTrace: (quantity: Quantity) => void) {
-    this.#announcement = announcement;
-    panel.role = "radiogroup";
-    panel.ariaLabel = "Read-outs; the chosen one is plotted along time";
+  constructor(onTrace: (quantity: Quantity) => void) {
+    this.#panel.role = "radiogroup";
+    this.#panel.ariaLabel = LABEL;
     for (const quantity of QUANTITIES) {
-      const { name, unit, plane } = PRESENTATION[quantity];
+      const { unit, plane } = PRESENTATION[quantity];
       const output = html("output", { id: quantity });
       // They change sixty times a second; what is spoken is said in the announcement instead.
       output.ariaLive = "off";
       output.dataset.quantity = quantity;
-      const row = html("button", { type: "button", className: "readout" }, html("span", {}, name), output);
+      const name = html("span", { textContent: nameOf(quantity, false) });
+      const row = html("button", { type: "button", className: "readout" }, name, output);
       const mark = html("span", { className: "unit", textContent: unit });
+      this.#names.set(quantity, name);
       this.#units.set(quantity, mark);
       row.append(mark);
       row.role = "radio";
       if (plane !== undefined) row.dataset.plane = plane;
+      if (ERRORS.has(quantity)) row.setAttribute("aria-describedby", this.#errors.id);
       row.addEventListener("click", () => onTrace(quantity));
       row.addEventListener("keydown", (event) => this.#rove(event, quantity, onTrace));
       this.#outputs.set(quantity, output);
       this.#rows.set(quantity, row);
-      panel.append(row);
+      this.#panel.append(row);
     }
+  }
+
+  /** Says what the errors of the open model are. */
+  setErrors({ against, sentence }: ErrorMeaning): void {
+    this.#against = against;
+    this.#errors.textContent = sentence;
   }
 
   /** Sets the units that the open model's numbers have. */
@@ -43,17 +59,39 @@ export class Readouts {
     }
   }
 
-  /** Shows the numbers that `read` gives, or none when there is no answer. */
-  show(read: ((quantity: Quantity) => number) | undefined): void {
+  /** Shows the numbers that `read` gives; a bound that it does not give is "none". */
+  show(read: (quantity: Quantity) => number | undefined, extrapolated: boolean): void {
+    this.#markExtrapolated(extrapolated);
     for (const [quantity, output] of this.#outputs) {
-      if (read === undefined) {
-        output.textContent = "–";
+      const value = read(quantity);
+      this.#units.get(quantity)?.toggleAttribute("hidden", value === undefined);
+      if (value === undefined) {
+        output.textContent = "none";
         delete output.dataset.value;
       } else {
-        const value = read(quantity);
         output.textContent = written(quantity, value);
         output.dataset.value = String(value);
       }
+    }
+  }
+
+  /** Shows that there is no answer, and has none spoken. */
+  clear(): void {
+    this.#markExtrapolated(false);
+    for (const [quantity, output] of this.#outputs) {
+      this.#units.get(quantity)?.toggleAttribute("hidden", false);
+      output.textContent = "–";
+      delete output.dataset.value;
+    }
+    window.clearTimeout(this.#announcing);
+    this.#announcement.textContent = "";
+  }
+
+  #markExtrapolated(extrapolated: boolean): void {
+    this.#mark.hidden = !extrapolated;
+    this.#panel.ariaLabel = extrapolated ? `Extrapolated. ${LABEL}` : LABEL;
+    for (const [quantity, name] of this.#names) {
+      name.textContent = nameOf(quantity, extrapolated);
     }
   }
 
@@ -69,10 +107,13 @@ export class Readouts {
   announce(situation: string): void {
     window.clearTimeout(this.#announcing);
     this.#announcing = window.setTimeout(() => {
-      const figures = [...this.#outputs].map(
-        ([quantity, output]) => `${PRESENTATION[quantity].name} ${output.textContent} ${PRESENTATION[quantity].unit}`,
-      );
-      this.#announcement.textContent = `${situation}: ${figures.join(", ")}`;
+      const extrapolated = !this.#mark.hidden;
+      const figures = [...this.#outputs].map(([quantity, { dataset }]) => {
+        const value = dataset.value === undefined ? undefined : Number(dataset.value);
+        return `${nameOf(quantity, extrapolated)} ${measure(quantity, value)}`;
+      });
+      const words = `${situation}: ${figures.join(", ")}; errors ${this.#against}`;
+      this.#announcement.textContent = extrapolated ? `Extrapolated. ${words}` : words;
     }, 700);
   }
 

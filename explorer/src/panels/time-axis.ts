@@ -1,3 +1,4 @@
+import { html } from "../app/page";
 import type { Quantity } from "../app/state";
 import { label, onResize, path, set, svg, ticks } from "../views/svg";
 import { PRESENTATION, written } from "./quantities";
@@ -8,8 +9,16 @@ const BUDGET_MS = 5;
 /** Half the thumb: the range input's ends lie this far inside its box. */
 const INSET = 7;
 const AXIS = 20;
-/** Room above the curve for its name. */
-const TOP = 22;
+/** Room above the curve, below its name. */
+const GAP = 6;
+
+/** The course of a read-out along time. */
+export interface Course {
+  readonly quantity: Quantity;
+  readonly title: string;
+  /** The value at an instant; throws where the core refuses it. Undefined is an error bound that does not exist. */
+  readonly read: (t: number) => number | undefined;
+}
 
 /** The time slider, with the course of one read-out behind it. The curve is computed in the gaps between frames. */
 export class TimeAxis {
@@ -20,15 +29,17 @@ export class TimeAxis {
   readonly #curve: SVGPathElement;
   readonly #cursor: SVGLineElement;
   readonly #dot: SVGCircleElement;
-  readonly #span: SVGTextElement;
+  readonly #caption = html("p", { className: "caption" });
   #end = 1;
   #unit = "l/V";
   #width = 0;
   #height = 0;
   #t = 0;
   #value: number | undefined;
-  #values: number[] = [];
-  #quantity: Quantity = "axial_length";
+  /** Undefined where there is no answer, or no bound. */
+  #values: (number | undefined)[] = [];
+  #course: Course | undefined;
+  #top = 22;
   #job = 0;
 
   constructor(
@@ -54,8 +65,7 @@ export class TimeAxis {
     this.#curve = svg("path", { class: "trace" }, this.#svg);
     this.#cursor = svg("line", { class: "cursor" }, this.#svg);
     this.#dot = svg("circle", { class: "now" }, this.#svg);
-    this.#span = svg("text", { class: "span", "text-anchor": "end" }, this.#svg);
-    track.prepend(this.#svg);
+    track.prepend(this.#svg, this.#caption);
     onResize(track, (width, height) => {
       this.#width = width;
       this.#height = height;
@@ -80,32 +90,30 @@ export class TimeAxis {
     this.#value = value;
     if (this.#input.valueAsNumber !== t) this.#input.valueAsNumber = t;
     this.#input.ariaValueText = `${t.toFixed(timeDigits(this.#end))} ${this.#unit}`;
-    if (this.#width === 0) return;
-    const x = this.#toX(t);
-    set(this.#cursor, { x1: x, x2: x, y1: TOP - 4, y2: this.#height - AXIS });
-    this.#placeDot();
+    if (this.#width > 0) this.#placeCursor();
   }
 
-  /** Plots another course: `read` gives the value at an instant. A course that was under way is dropped. */
-  plot(quantity: Quantity, read: ((t: number) => number) | undefined): void {
+  /** Plots another course, or none. A course that was under way is dropped. */
+  plot(course: Course | undefined): void {
     cancelAnimationFrame(this.#job);
-    this.#quantity = quantity;
-    this.#track.dataset.plane = PRESENTATION[quantity].plane ?? "";
+    this.#course = course;
     this.#values = [];
-    if (read === undefined) {
+    if (course === undefined) {
       this.#drawCurve();
       return;
     }
+    this.#track.dataset.plane = PRESENTATION[course.quantity].plane ?? "";
     const work = () => {
       const start = performance.now();
       while (this.#values.length < INSTANTS && performance.now() - start < BUDGET_MS) {
+        const t = (this.#end * this.#values.length) / (INSTANTS - 1);
+        let value: number | undefined;
         try {
-          this.#values.push(read((this.#end * this.#values.length) / (INSTANTS - 1)));
+          value = course.read(t);
         } catch {
-          // The core refuses an instant: the curve ends before it. The reason is shown when one goes there.
-          this.#drawCurve();
-          return;
+          // The core refuses the instant: the curve has a gap. The reason is shown when one goes there.
         }
+        this.#values.push(value);
       }
       this.#drawCurve();
       if (this.#values.length < INSTANTS) this.#job = requestAnimationFrame(work);
@@ -115,16 +123,23 @@ export class TimeAxis {
 
   readonly #toX = (t: number) => INSET + (t / this.#end) * (this.#width - 2 * INSET);
 
-  readonly #toY = (value: number) => {
-    const [low, high] = this.#range();
-    const [top, bottom] = [TOP, this.#height - AXIS - 5];
+  readonly #toY = (value: number, [low, high]: readonly [number, number]) => {
+    const [top, bottom] = [this.#top, this.#height - AXIS - 5];
     return bottom - ((value - low) / (high - low)) * (bottom - top);
   };
 
-  /** The values' range, never narrower than what the read-out's digits can tell apart. */
-  #range(): [number, number] {
-    const [low, high] = [Math.min(...this.#values), Math.max(...this.#values)];
-    const { scale, digits } = PRESENTATION[this.#quantity];
+  /** The least and the greatest value, if there is any. */
+  #extremes(): readonly [number, number] | undefined {
+    const values = this.#values.filter((value) => value !== undefined);
+    return values.length === 0 ? undefined : [Math.min(...values), Math.max(...values)];
+  }
+
+  /** What the curve's height spans: never less than what the read-out's digits can tell apart. */
+  #range(): readonly [number, number] | undefined {
+    const extremes = this.#extremes();
+    if (this.#course === undefined || extremes === undefined) return undefined;
+    const [low, high] = extremes;
+    const { scale, digits } = PRESENTATION[this.#course.quantity];
     const isChannel = document.body.dataset.model !== "other";
     const least = isChannel ? 20 / (scale * 10 ** digits) : 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-30);
     const spare = Math.max(0, least - (high - low)) / 2;
@@ -150,24 +165,46 @@ export class TimeAxis {
       }
     }
     this.#axis.replaceChildren(...parts);
-    set(this.#span, { x: this.#width - INSET, y: 12 });
   }
 
-  /** Marks the value now, on the curve. */
-  #placeDot(): void {
-    const hasDot = this.#value !== undefined && this.#values.length === INSTANTS;
-    set(this.#dot, { cx: this.#toX(this.#t), cy: hasDot ? this.#toY(this.#value ?? 0) : 0, r: hasDot ? 4 : 0 });
+  /** Marks the instant, and on the whole curve its value. */
+  #placeCursor(): void {
+    const x = this.#toX(this.#t);
+    set(this.#cursor, { x1: x, x2: x, y1: this.#top - 4, y2: this.#height - AXIS });
+    const range = this.#values.length === INSTANTS ? this.#range() : undefined;
+    const hasDot = this.#value !== undefined && range !== undefined;
+    set(this.#dot, { cx: x, cy: hasDot ? this.#toY(this.#value ?? 0, range) : 0, r: hasDot ? 4 : 0 });
   }
 
   #drawCurve(): void {
     if (this.#width === 0) return;
-    const values = this.#values;
-    const points = values.flatMap((value, i) => [(this.#end * i) / (INSTANTS - 1), value]);
-    set(this.#curve, { d: values.length > 1 ? path(points, this.#toX, (_, value) => this.#toY(value)) : "" });
-    const { name, unit } = PRESENTATION[this.#quantity];
-    const [least, most] = [Math.min(...values), Math.max(...values)].map((value) => written(this.#quantity, value));
-    this.#placeDot();
-    this.#span.textContent = values.length === INSTANTS ? `${name}, ${least} to ${most} ${unit}` : name;
+    this.#caption.textContent = this.#words();
+    this.#top = this.#caption.offsetHeight + GAP;
+    const range = this.#range();
+    const piece = (points: number[]) => path(points, this.#toX, (_, value) => this.#toY(value, range ?? [0, 1]));
+    set(this.#curve, { d: this.#pieces().map(piece).join("") });
+    this.#placeCursor();
+  }
+
+  /** The curve between its gaps: t, value, t, value, ... */
+  #pieces(): number[][] {
+    const pieces: number[][] = [[]];
+    this.#values.forEach((value, i) => {
+      if (value === undefined) pieces.push([]);
+      else pieces.at(-1)?.push((this.#end * i) / (INSTANTS - 1), value);
+    });
+    return pieces.filter((points) => points.length > 2);
+  }
+
+  /** The course's title and, once it is whole, what it spans. */
+  #words(): string {
+    if (this.#course === undefined) return "";
+    const { quantity, title } = this.#course;
+    if (this.#values.length < INSTANTS) return title;
+    const extremes = this.#extremes();
+    if (extremes === undefined) return `${title}: none`;
+    const [least, most] = extremes.map((value) => written(quantity, value));
+    return `${title}, ${least} to ${most} ${PRESENTATION[quantity].unit}`;
   }
 }
 

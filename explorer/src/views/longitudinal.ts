@@ -68,7 +68,8 @@ export class Longitudinal {
     this.#svg.addEventListener("pointermove", drag);
   }
 
-  draw(scene: LongitudinalScene): void {
+  /** Shows a section, or the empty channel. */
+  draw(scene: LongitudinalScene | undefined): void {
     this.#scene = scene;
     this.#redraw();
   }
@@ -97,7 +98,12 @@ export class Longitudinal {
 
   #redraw(): void {
     const scene = this.#scene;
-    if (scene === undefined || this.#width === 0) return;
+    if (scene === undefined) {
+      for (const outline of [this.#membrane, this.#initial]) set(outline, { d: "" });
+      set(this.#plane, { x1: -10, x2: -10 });
+      return;
+    }
+    if (this.#width === 0) return;
     const laboratory = scene.frame === "laboratory";
     const visible = (this.#width - AXIS_WIDTH) / this.#scale;
     this.#left = laboratory ? page(scene.centroid, visible) : -visible / 2;

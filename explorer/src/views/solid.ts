@@ -172,16 +172,23 @@ export class Solid {
     this.#render();
   }
 
-  draw(scene: SolidScene): void {
+  /** Shows the capsule, or the empty channel. */
+  draw(scene: SolidScene | undefined): void {
+    for (const part of [this.#capsule, this.#initial, ...Object.values(this.#cuts)]) {
+      part.visible = false;
+    }
+    if (scene !== undefined) this.#place(scene);
+    this.#render();
+  }
+
+  #place(scene: SolidScene): void {
+    this.#capsule.visible = true;
     replace(this.#capsule.geometry, scene.positions);
     this.#capsule.geometry.computeVertexNormals();
-    this.#initial.visible = scene.initial !== undefined;
     if (scene.initial !== undefined) {
+      this.#initial.visible = true;
       replace(this.#initial.geometry, scene.initial);
       this.#initial.position.x = -scene.centroid;
-    }
-    for (const line of Object.values(this.#cuts)) {
-      line.visible = false;
     }
     for (const { plane, points } of scene.cuts) {
       if (points.length < 6) continue;
@@ -192,7 +199,6 @@ export class Solid {
       line.visible = true;
     }
     this.#drawChannel(scene.frame === "laboratory" ? scene.centroid : 0);
-    this.#render();
   }
 
   /** The four edges, and a ring at each whole x. */

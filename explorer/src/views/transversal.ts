@@ -38,7 +38,8 @@ export class Transversal {
     });
   }
 
-  draw(scene: TransversalScene): void {
+  /** Shows a section, or the empty channel. */
+  draw(scene: TransversalScene | undefined): void {
     this.#scene = scene;
     this.#redraw();
   }
@@ -78,7 +79,12 @@ export class Transversal {
 
   #redraw(): void {
     const scene = this.#scene;
-    if (scene === undefined || this.#size === 0) return;
+    if (scene === undefined) {
+      set(this.#membrane, { d: "" });
+      this.#miss.textContent = "";
+      return;
+    }
+    if (this.#size === 0) return;
     if (this.#unit !== drawnUnit()) this.#layOut();
     const [toX, toY] = [this.#toX, this.#toY];
     const loop = (curve: Float32Array) =>
