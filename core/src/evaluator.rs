@@ -1,6 +1,6 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
-use crate::dynamics::{Dynamics, Source, Step};
+use crate::dynamics::{Source, Step};
 use crate::error::{EvaluateError, finite};
 use crate::expected_error::{bound_factor, expected_error, interval_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
@@ -9,7 +9,7 @@ use crate::manifold::Times;
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, Paper, Reference};
 use crate::model::{MatrixView, Model, apply};
-use crate::motion::{AXIAL_MODES, Motion, Quantity, leading};
+use crate::motion::{AXIAL_MODES, Controls, Motion, Quantity, leading};
 use crate::observables::{Lengths, Observables};
 use crate::reconstruct::{Plane, Snapshot, room};
 use crate::surface::volume;
@@ -274,7 +274,16 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         match self.query.method {
             Method::Direct => true,
             Method::Paper => {
-                let Some((mut source, dynamics, factor)) = self.learned() else {
+                let Workspace {
+                    weights,
+                    contracted,
+                    controls,
+                    dynamics,
+                    scratch,
+                    ..
+                } = &mut *self.workspace;
+                let motion = Motion::new(&self.cluster.field, weights, contracted);
+                let Some((mut source, factor)) = learned::<T, K, M>(self.model, motion, controls, scratch) else {
                     return true;
                 };
                 (0..pieces).any(|_| dynamics.advance(&mut source, step, t, factor))
@@ -398,6 +407,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
 
     /// Refuses an extrapolated shape that no capsule can have. Inside the domain the bound of the error says how good
     /// it is.
+    #[inline(never)]
     fn plausible(&mut self) -> Result<(), EvaluateError> {
         /// What a volume may deviate by.
         const VOLUME: f32 = 0.02;
@@ -497,7 +507,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     ///
     /// # Errors
     /// [`EvaluateError::NotFinite`].
-    pub fn expected_error(&self) -> Result<T, EvaluateError> {
+    pub fn expected_error(&mut self) -> Result<T, EvaluateError> {
+        self.plausible()?;
         let [time, _] = self.interval_error();
         number(self.interpolation_error() + time)
     }
@@ -578,20 +589,38 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     fn coefficients(&mut self, quantity: Quantity) {
         let (t, step) = (self.t, self.step());
         let modes = MatrixView::new(&self.cluster.field.modes);
-        let mut values = [T::ZERO; K];
-        let out = part_mut(&mut values, 0..modes.columns() + 1);
+        let negligible = match quantity {
+            Quantity::Displacement => {
+                let negligible = T::from_f32(NEGLIGIBLE) * self.model.radius(self.query.parameters);
+                negligible * self.root_of_nodes()
+            }
+            Quantity::Velocity => T::ZERO,
+        };
+        let Workspace {
+            weights,
+            contracted,
+            controls,
+            dynamics,
+            scratch,
+            displacement,
+            velocity,
+            ..
+        } = &mut *self.workspace;
+        let computed = match quantity {
+            Quantity::Displacement => displacement,
+            Quantity::Velocity => velocity,
+        };
+        // They are computed in place, the translation's first: a stack has no room for them.
+        computed.t = None;
+        let out = part_mut(computed.shape.values.as_flattened_mut(), 0..modes.columns() + 1);
+        let motion = Motion::new(&self.cluster.field, weights, contracted);
         match self.query.method {
             Method::Direct => {
-                let Workspace {
-                    weights,
-                    contracted,
-                    controls,
-                    ..
-                } = &mut *self.workspace;
-                Motion::new(&self.cluster.field, weights, contracted).coefficients(controls, t, quantity, out);
+                let mut motion = motion;
+                motion.coefficients(controls, t, quantity, out);
             }
             Method::Paper => {
-                let Some((mut source, dynamics, factor)) = self.learned() else {
+                let Some((mut source, factor)) = learned::<T, K, M>(self.model, motion, controls, scratch) else {
                     return;
                 };
                 match quantity {
@@ -600,47 +629,14 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
                 }
             }
         }
-        let [translation, shape @ ..] = part(&values, 0..modes.columns() + 1) else {
-            return;
-        };
-        let negligible = match quantity {
-            Quantity::Displacement => T::from_f32(NEGLIGIBLE) * self.model.radius(self.query.parameters),
-            Quantity::Velocity => T::ZERO,
-        };
-        let count = leading(shape, negligible * self.root_of_nodes());
-        let computed = match quantity {
-            Quantity::Displacement => &mut self.workspace.displacement,
-            Quantity::Velocity => &mut self.workspace.velocity,
-        };
+        computed.translation = out.first().copied().unwrap_or(T::ZERO);
+        let places = Cell::from_mut(&mut *out).as_slice_of_cells();
+        for (place, next) in places.iter().zip(places.iter().skip(1)) {
+            place.set(next.get());
+        }
+        let count = leading(part(out, 0..modes.columns()), negligible);
         computed.t = Some(t);
-        computed.translation = *translation;
-        for (out, value) in computed.shape.values.as_flattened_mut().iter_mut().zip(shape) {
-            *out = *value;
-        }
         computed.shape.ready(&modes, count);
-    }
-
-    /// What the paper's method works with; none in a workspace without room for it, where no query is prepared for it.
-    fn learned(&mut self) -> Option<(Source<'_, 'a, '_, T, K>, &mut Dynamics<T, M>, &mut Factor<T>)> {
-        if M == 0 {
-            return None;
-        }
-        let Workspace {
-            weights,
-            contracted,
-            controls,
-            dynamics,
-            scratch,
-            ..
-        } = &mut *self.workspace;
-        let factor = scratch.as_chunks_mut().0.first_chunk_mut()?;
-        let source = Source {
-            motion: Motion::new(&self.cluster.field, weights, contracted).leading(PAPER_MODES),
-            controls,
-            times: Times(self.model.times()),
-            settings: &self.model.contents().paper,
-        };
-        Some((source, dynamics, factor))
     }
 
     /// The surface at this instant.
@@ -654,6 +650,26 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         };
         Ok(shape(self.model, self.cluster, &self.query, displacement, translation))
     }
+}
+
+/// What the paper's method works with; none in a workspace without room for it, where no query is prepared for it.
+fn learned<'a, 's, 'f, T: Real, const K: usize, const M: usize>(
+    model: &'s Model<'a>,
+    motion: Motion<'a, 's, T, K>,
+    controls: &'s mut Controls<T, K>,
+    scratch: &'f mut [T],
+) -> Option<(Source<'s, 'a, 's, T, K>, &'f mut Factor<T>)> {
+    if M == 0 {
+        return None;
+    }
+    let factor = scratch.as_chunks_mut().0.first_chunk_mut()?;
+    let source = Source {
+        motion: motion.leading(PAPER_MODES),
+        controls,
+        times: Times(model.times()),
+        settings: &model.contents().paper,
+    };
+    Some((source, factor))
 }
 
 /// The surface of a displacement.

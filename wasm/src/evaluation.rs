@@ -117,11 +117,7 @@ impl Evaluation {
     /// full-order model, else the mean distance of the nodes to the data. Outside the sampled domain it is a guess.
     #[wasm_bindgen(js_name = expectedError)]
     pub fn expected_error(&mut self) -> Result<f32, JsError> {
-        self.ask(|instant| {
-            // A shape that is refused has no error either.
-            instant.centroid()?;
-            instant.expected_error()
-        })
+        self.ask(|instant| instant.expected_error())
     }
 
     /// The bound that 95 % of the errors are below, like the expected error; undefined outside the sampled domain,

@@ -10,7 +10,7 @@ use crate::linalg::LANES;
 /// computed from them.
 const LARGEST: f32 = 1e6;
 /// The same for lengths of a model in its own units, in its radius.
-const LARGEST_IN_RADII: f64 = 1e9;
+const LARGEST_IN_RADII: f32 = 1e9;
 /// The radius of such a model: its cube is a single-precision number.
 const RADIUS: [f64; 2] = [1e-12, 1e12];
 /// Times in units of any kind.
@@ -31,7 +31,7 @@ pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
     let length = match contents.mesh.reference {
         Reference::Sphere => LARGEST,
         // The radius itself is judged with the mesh.
-        Reference::Shape { radius, .. } => (LARGEST_IN_RADII * radius.clamp(RADIUS[0], RADIUS[1])) as f32,
+        Reference::Shape { radius, .. } => LARGEST_IN_RADII * radius as f32,
     };
     let mut judge = Judge {
         found: Ok(()),
@@ -203,8 +203,8 @@ impl Judge {
                 volumes: [least, greatest],
             } => {
                 self.setting("radius of the reference shape", radius, RADIUS[0], RADIUS[1]);
-                let far = LARGEST_IN_RADII * radius;
-                self.setting("axial origin", origin, -far, far);
+                let [near, far] = self.length.map(f64::from);
+                self.setting("axial origin", origin, near, far);
                 self.setting("least volume", least, 1e-6, 1e6);
                 self.setting("greatest volume", greatest, least, 1e6);
             }

@@ -171,7 +171,10 @@ fn costs(package: &Path, queries: usize) -> Result<Vec<(&'static str, Vec<u64>)>
         counts.sort_unstable();
         Ok((kind, counts))
     };
-    ["random", "adversarial", "extrapolated", "paper"].into_iter().map(of).collect()
+    ["random", "adversarial", "extrapolated", "paper"]
+        .into_iter()
+        .map(of)
+        .collect()
 }
 
 /// The number in the middle of sorted ones.
