@@ -1,5 +1,5 @@
-//! Finds out whether the target has the instructions of an ARM core that the crate uses. Stable Rust does not tell, so the
-//! assembler is asked, with the target and the flags that the crate is built with.
+//! Finds out whether the target has the instructions of an ARM core that the crate uses. Stable Rust does not tell, so
+//! the assembler is asked, with the target and the flags that the crate is built with.
 
 use std::env;
 use std::io::Write;

@@ -414,13 +414,13 @@ impl EvaluateError {
             ),
             Self::WrongVolume { volume, min, max } => write!(
                 f,
-                "no capsule has the extrapolated shape: its volume is {volume} of that of a sphere of radius a, it must \
-                 be in [{min}, {max}]; ask nearer to the sampled domain"
+                "no capsule has the extrapolated shape: its volume is {volume} of that of a sphere of radius a, it \
+                 must be in [{min}, {max}]; ask nearer to the sampled domain"
             ),
             Self::BeyondWall { reach } => write!(
                 f,
-                "no capsule has the extrapolated shape: a node lies at {reach} from the axis, beyond the wall at 1; ask \
-                 nearer to the sampled domain"
+                "no capsule has the extrapolated shape: a node lies at {reach} from the axis, beyond the wall at 1; \
+                 ask nearer to the sampled domain"
             ),
             Self::Weights { sum } => write!(
                 f,

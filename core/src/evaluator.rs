@@ -407,13 +407,19 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
 
     /// Refuses an extrapolated shape that no capsule can have. Inside the domain the bound of the error says how good
     /// it is.
-    #[inline(never)]
     fn plausible(&mut self) -> Result<(), EvaluateError> {
-        /// What a volume may deviate by.
-        const VOLUME: f32 = 0.02;
         if self.domain == Domain::Inside || self.workspace.plausible == Some(self.t) {
             return Ok(());
         }
+        // First, with little on the stack.
+        self.displacement();
+        self.judge_shape()
+    }
+
+    #[inline(never)]
+    fn judge_shape(&mut self) -> Result<(), EvaluateError> {
+        /// What a volume may deviate by.
+        const VOLUME: f32 = 0.02;
         let [volume, reach] = self.volume_and_reach()?;
         let radius = self.model.radius(self.query.parameters);
         let sphere = T::from_f64(4.0 / 3.0 * core::f64::consts::PI) * radius * radius * radius;

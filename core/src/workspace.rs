@@ -116,8 +116,8 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
         }
     }
 
-    /// Hands out what of an empty workspace is no number, part by part: with zeros elsewhere that is a workspace. For memory
-    /// that is not Rust's, where the stack has no room for a whole one.
+    /// Hands out what of an empty workspace is no number, part by part: with zeros elsewhere that is a workspace. For
+    /// memory that is not Rust's, where the stack has no room for a whole one.
     pub fn put(parts: &mut impl Parts) {
         parts.put(offset_of!(Self, prepared), None::<Prepared<T>>);
         parts.put(offset_of!(Self, plausible), None::<T>);

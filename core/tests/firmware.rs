@@ -15,8 +15,8 @@ fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/firmware")
 }
 
-/// What a board needs beyond the firmware's own settings, which are those of a Cortex-M4F: arguments of cargo, and variables
-/// of the environment.
+/// What a board needs beyond the firmware's own settings, which are those of a Cortex-M4F: arguments of cargo, and
+/// variables of the environment.
 type Board = (&'static [&'static str], &'static [(&'static str, &'static str)]);
 
 const CORTEX_M4: Board = (&[], &[]);

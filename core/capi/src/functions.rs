@@ -165,8 +165,8 @@ pub unsafe extern "C" fn capsule_v1_initialise(workspace: *mut Workspace, size: 
 }
 
 /// Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
-/// parameters lie, also where they are refused, and `CAPSULE_DOMAIN_UNKNOWN` where the call fails before it looks. Where a
-/// pointer is refused, it is left as it was.
+/// parameters lie, also where they are refused, and `CAPSULE_DOMAIN_UNKNOWN` where the call fails before it looks.
+/// Where a pointer is refused, it is left as it was.
 ///
 /// # Safety
 /// See [`functions`](self).
@@ -318,8 +318,9 @@ pub unsafe extern "C" fn capsule_v1_expected_error_at(
     }
 }
 
-/// The bound that 95 of 100 errors are below at the instant `t`, like the expected error. Outside the sampled domain, where
-/// `capsule_v1_prepare` says another domain than `CAPSULE_DOMAIN_INSIDE`, none is known: `CAPSULE_STATUS_NO_BOUND`.
+/// The bound that 95 of 100 errors are below at the instant `t`, like the expected error. Outside the sampled domain,
+/// where `capsule_v1_prepare` says another domain than `CAPSULE_DOMAIN_INSIDE`, none is known:
+/// `CAPSULE_STATUS_NO_BOUND`.
 ///
 /// # Safety
 /// See [`functions`](self).
@@ -518,8 +519,8 @@ pub unsafe extern "C" fn capsule_v1_membrane_at(
     unsafe { call_at(model, workspace, t, others, error, &mut ask) }
 }
 
-/// Runs the work of a call on its buffers, unless one of them is refused, and writes its error where the caller wants it; nothing
-/// where `error` itself is refused. `model` is the one that is asked.
+/// Runs the work of a call on its buffers, unless one of them is refused, and writes its error where the caller wants
+/// it; nothing where `error` itself is refused. `model` is the one that is asked.
 #[inline(never)]
 unsafe fn call(
     model: Option<&Place<Model>>,
@@ -555,8 +556,8 @@ unsafe fn call(
     failure.status
 }
 
-/// A query's parameters, of which no more are looked at than the model has. None of a query that cannot be read; that is
-/// refused.
+/// A query's parameters, of which no more are looked at than the model has. None of a query that cannot be read; that
+/// is refused.
 ///
 /// # Safety
 /// The caller keeps what the module says.

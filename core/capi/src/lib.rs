@@ -4,9 +4,9 @@
 //! [`Workspace`] for one query at a time. Every function returns a [`Status`]. Symbols carry the version of the
 //! interface, so that two versions can be linked into one program; the header has plain names for them.
 //!
-//! Unsafe code is needed to read and write what C points to. What is done with a pointer stands in `memory` and `opaque`, what
-//! can be checked is; what the caller has to keep is said in `functions`, whose calls rely on it. The other unsafe code of the
-//! online stage is the instructions of capsule-dsp.
+//! Unsafe code is needed to read and write what C points to. What is done with a pointer stands in `memory` and
+//! `opaque`, what can be checked is; what the caller has to keep is said in `functions`, whose calls rely on it. The
+//! other unsafe code of the online stage is the instructions of capsule-dsp.
 #![no_std]
 
 mod error;

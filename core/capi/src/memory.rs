@@ -84,7 +84,8 @@ impl Bytes {
     }
 }
 
-/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, be these sound or not.
+/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, be these sound or
+/// not.
 pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status> {
     error.judge()?;
     if buffers.iter().any(|bytes| bytes.overlaps(&error)) {
@@ -93,8 +94,8 @@ pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status>
     Ok(())
 }
 
-/// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory, and those that the call
-/// would write over the bytes of a model's file.
+/// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory, and those that the
+/// call would write over the bytes of a model's file.
 pub(crate) fn check(buffers: &[Bytes], file: Bytes) -> Result<(), Status> {
     buffers.iter().try_for_each(Bytes::judge)?;
     for (i, a) in buffers.iter().enumerate() {

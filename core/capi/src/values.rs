@@ -98,8 +98,8 @@ pub struct Description {
     pub end_time: f32,
     /// The method that `CAPSULE_METHOD_DEFAULT` stands for.
     pub method: Method,
-    /// Constitutive law of the membrane in the full-order model that errors are measured against: `law_length` characters
-    /// without a terminating zero, in the file's bytes.
+    /// Constitutive law of the membrane in the full-order model that errors are measured against: `law_length`
+    /// characters without a terminating zero, in the file's bytes.
     pub law: *const c_char,
     /// Length of `law`.
     pub law_length: usize,

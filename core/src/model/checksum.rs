@@ -1,5 +1,5 @@
-//! CRC-32 as of zip and PNG, by four bits: in a table for eight bits, as crates have it, there is 1 KiB of a microcontroller's
-//! flash, and bit by bit it takes five times as long.
+//! CRC-32 as of zip and PNG, by four bits: in a table for eight bits, as crates have it, there is 1 KiB of a
+//! microcontroller's flash, and bit by bit it takes five times as long.
 
 /// The polynomial, its highest power last.
 const POLYNOMIAL: u32 = 0xedb8_8320;

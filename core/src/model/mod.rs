@@ -104,8 +104,8 @@ impl<'a> Model<'a> {
         self.digest
     }
 
-    /// The solution that the errors of the model are measured against, in words: of the full-order model with its law and
-    /// bending stiffness, or other people's data.
+    /// The solution that the errors of the model are measured against, in words: of the full-order model with its law
+    /// and bending stiffness, or other people's data.
     pub fn errors_against(&self) -> impl fmt::Display {
         let contents = &self.contents;
         let (law, stiffness) = (contents.metadata.membrane_law, contents.metadata.bending_stiffness);

@@ -36,7 +36,8 @@ macro_rules! parts {
 
 parts! {
     Contents<'a> {
-        metadata, mesh, times, error_times, steady_limit, bending_effect, border, default_method, kernel, paper, split, clusters
+        metadata, mesh, times, error_times, steady_limit, bending_effect, border, default_method, kernel, paper, split,
+        clusters
     }
     Metadata<'a> {
         title, units, membrane_law, bending_stiffness, parameters, database_digest, offline_settings, created_unix_s

@@ -38,7 +38,8 @@ fn errors_say_what_they_are_against_and_what_bending_changes() {
         (&found["domain"], &found["extrapolated"]),
         (&"inside".into(), &false.into())
     );
-    // The full-order model at exactly this configuration, with and without bending stiffness (models/database/bending.csv).
+    // The full-order model at exactly this configuration, with and without bending stiffness
+    // (models/database/bending.csv).
     let effect = &found["bending_effect"];
     assert!((effect["ca"].as_f64().unwrap() - 0.03).abs() < 1e-6);
     assert!((effect["confinement"].as_f64().unwrap() - 1.1).abs() < 1e-6);
@@ -57,8 +58,8 @@ fn errors_say_what_they_are_against_and_what_bending_changes() {
     }
 }
 
-/// The full-order solution keeps its volume. Where the model answers, so does it; where it cannot, it refuses, at (0.15, 1.1) with
-/// a shape of 130 times the volume and five times the channel's width.
+/// The full-order solution keeps its volume. Where the model answers, so does it; where it cannot, it refuses, at
+/// (0.15, 1.1) with a shape of 130 times the volume and five times the channel's width.
 #[test]
 fn an_extrapolated_answer_is_a_guess_without_a_bound_and_an_impossible_one_is_refused() {
     let (mut answered, mut refused, mut before, mut first) = (0, 0, 0.0, f64::INFINITY);
@@ -98,8 +99,8 @@ fn an_extrapolated_answer_is_a_guess_without_a_bound_and_an_impossible_one_is_re
     );
 }
 
-/// The example of docs/own-data.md: nine configurations, seven instants. Between them, at an instant at which the motion is too fast
-/// for them, the model differs from its source by more than a per cent; its bound says so.
+/// The example of docs/own-data.md: nine configurations, seven instants. Between them, at an instant at which the
+/// motion is too fast for them, the model differs from its source by more than a per cent; its bound says so.
 #[test]
 fn the_bound_of_the_example_in_the_documents_holds() {
     let folder = tempfile::tempdir().unwrap();

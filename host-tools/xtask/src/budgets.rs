@@ -159,8 +159,8 @@ fn spread(queries: usize) -> Result<()> {
     Ok(())
 }
 
-/// Instructions of queries to the observables, by rising number: random ones, adversarial ones, extrapolated ones, and a few by the
-/// paper's method.
+/// Instructions of queries to the observables, by rising number: random ones, adversarial ones, extrapolated ones, and
+/// a few by the paper's method.
 fn costs(package: &Path, queries: usize) -> Result<Vec<(&'static str, Vec<u64>)>> {
     let text = emulated(package, "spread.c", &[format!("-DRANDOM={queries}")])?;
     let of = |kind: &'static str| {
@@ -204,8 +204,8 @@ fn emulated(package: &Path, source: &str, defines: &[String]) -> Result<String> 
     )
 }
 
-/// Bytes of instructions, and of all that flash holds of it, constants among them, that a program with every function of the
-/// interface links. It does not link if one can panic.
+/// Bytes of instructions, and of all that flash holds of it, constants among them, that a program with every function
+/// of the interface links. It does not link if one can panic.
 fn code(package: &Path, library: &Library) -> Result<[u64; 2]> {
     let program = target_directory().join("interface.elf");
     let header = std::fs::read_to_string(header::path())?;
