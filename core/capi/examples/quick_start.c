@@ -32,7 +32,8 @@ int main(void) {
          (double)shape.half_width, (double)shape.rear_depth, (double)shape.velocity);
   float expected;
   must(capsule_expected_error_at(&model, &workspace, 3.0f, &expected, &error), &error);
-  printf("expected error %.9g of the radius\n", (double)expected);
+  printf("expected error %.9g of the radius, against the full-order model (%.*s, B = %g G_s a^2)\n", (double)expected,
+         (int)about.law_length, about.law, (double)about.bending_stiffness);
 
   static float outline[2 * 256];
   size_t count;

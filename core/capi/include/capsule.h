@@ -271,8 +271,8 @@ typedef struct capsule_description {
   float end_time;
   // The method that `CAPSULE_METHOD_DEFAULT` stands for.
   capsule_method method;
-  // Constitutive law of the membrane in the full-order model that errors are measured against: `law_length` characters
-  // without a terminating zero, in the file's bytes.
+  // Constitutive law of the membrane in the full-order model that errors are measured against: `law_length`
+  // characters without a terminating zero, in the file's bytes.
   const char *law;
   // Length of `law`.
   size_t law_length;
@@ -368,8 +368,8 @@ capsule_status capsule_v1_describe_parameter(const struct capsule_model *model,
 capsule_status capsule_v1_initialise(struct capsule_workspace *workspace, size_t size, struct capsule_error *error);
 
 // Prepares a query; nothing is done if it is the one already prepared. `domain` may be null, else it says where the
-// parameters lie, also where they are refused, and `CAPSULE_DOMAIN_UNKNOWN` where the call fails before it looks. Where a
-// pointer is refused, it is left as it was.
+// parameters lie, also where they are refused, and `CAPSULE_DOMAIN_UNKNOWN` where the call fails before it looks.
+// Where a pointer is refused, it is left as it was.
 capsule_status capsule_v1_prepare(const struct capsule_model *model,
                                   struct capsule_workspace *workspace,
                                   const struct capsule_query *query,
@@ -394,16 +394,18 @@ capsule_status capsule_v1_observables_at(const struct capsule_model *model,
                                          struct capsule_observables *observables,
                                          struct capsule_error *error);
 
-// Expected modified Hausdorff distance to the full-order model at the instant `t`, laboratory frame, as a fraction of
-// the radius a.
+// Expected modified Hausdorff distance at the instant `t` to the full-order model (with the law and the bending
+// stiffness of the description), laboratory frame, as a fraction of the radius a; to other people's data the mean
+// distance of the nodes. Outside the sampled domain it is a guess.
 capsule_status capsule_v1_expected_error_at(const struct capsule_model *model,
                                             struct capsule_workspace *workspace,
                                             float t,
                                             float *expected_error,
                                             struct capsule_error *error);
 
-// The bound that 95 of 100 errors are below at the instant `t`, like the expected error. Outside the sampled domain, where
-// `capsule_v1_prepare` says another domain than `CAPSULE_DOMAIN_INSIDE`, none is known: `CAPSULE_STATUS_NO_BOUND`.
+// The bound that 95 of 100 errors are below at the instant `t`, like the expected error. Outside the sampled domain,
+// where `capsule_v1_prepare` says another domain than `CAPSULE_DOMAIN_INSIDE`, none is known:
+// `CAPSULE_STATUS_NO_BOUND`.
 capsule_status capsule_v1_error_bound_at(const struct capsule_model *model,
                                          struct capsule_workspace *workspace,
                                          float t,

@@ -297,8 +297,9 @@ pub unsafe extern "C" fn capsule_v1_observables_at(
     unsafe { one(model, workspace, t, observables, error, ask) }
 }
 
-/// Expected modified Hausdorff distance to the full-order model at the instant `t`, laboratory frame, as a fraction of
-/// the radius a.
+/// Expected modified Hausdorff distance at the instant `t` to the full-order model (with the law and the bending
+/// stiffness of the description), laboratory frame, as a fraction of the radius a; to other people's data the mean
+/// distance of the nodes. Outside the sampled domain it is a guess.
 ///
 /// # Safety
 /// See [`functions`](self).

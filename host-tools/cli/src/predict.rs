@@ -277,7 +277,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
     println!("{title}");
     let rows: Vec<_> = prediction.instants.iter().map(InstantRow::cells).collect();
     let heading: Vec<_> = rows.iter().take(1).flatten().map(|(name, _)| *name).collect();
-    let text = |value: &Option<T>| value.map_or("none".to_owned(), |value| format!("{value:.5}"));
+    let text = |value: &Option<T>| value.map_or("none".to_owned(), |value| shown(value.to_f64()));
     let row = |cells: &Vec<(_, _)>| cells.iter().map(|(_, value)| text(value)).collect();
     print::table(&heading, &rows.iter().map(row).collect::<Vec<_>>())?;
     if let Some(effect) = &prediction.bending_effect {
@@ -290,6 +290,15 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         );
     }
     Ok(())
+}
+
+/// A number for people: to five decimals, or in powers of ten where these would show nothing of it, or too much.
+fn shown(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
+        format!("{value:.5}")
+    } else {
+        format!("{value:.5e}")
+    }
 }
 
 /// The instants in rising order, each once, as a series must have them.

@@ -21,6 +21,9 @@ pub struct Options {
     /// model was built from
     #[arg(long, value_name = "DIR")]
     samples: Option<PathBuf>,
+    /// Instants, in l/V, of those at which the test set has snapshots
+    #[arg(long, value_delimiter = ',', default_values_t = capsule_study::FRESH_TIMES)]
+    t: Vec<f64>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -36,6 +39,7 @@ const EXAMPLES: &str = "\
 Examples:
   capsule-rom study fresh
   capsule-rom study fresh --samples models/database
+  capsule-rom study fresh --t 4.2,6.2,9,13,17     # instants that the shipped model leaves out
   capsule-rom study fresh --model mine.crom --tests runs/ --json
 
 Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
@@ -53,7 +57,7 @@ pub fn run(options: &Options) -> Result<()> {
     let tests = Database::open(&options.tests)?;
     let samples = options.samples.as_deref().map(Database::open).transpose()?;
     let bar = progress::tasks(options.quiet);
-    let fresh = capsule_study::fresh(&model, &tests, samples.as_ref(), &|task, done, of| {
+    let fresh = capsule_study::fresh(&model, &tests, samples.as_ref(), &options.t, &|task, done, of| {
         progress::show(&bar, task, done, of);
     })?;
     bar.finish_and_clear();

@@ -11,13 +11,17 @@ pub enum OfflineError {
     #[error(transparent)]
     Database(#[from] DatabaseError),
     /// The database is not over capillary number and confinement.
-    #[error("the database has parameters {found:?}; a model is built over [\"capillary_number\", \"confinement\"]")]
+    #[error("the database has the parameters {}; a model is built over capillary_number, confinement", found.join(", "))]
     WrongParameters {
         /// The parameters' names.
         found: Vec<String>,
     },
     /// No sample lies in the domain, or no snapshot at an instant of the errors.
-    #[error("no sample in the domain {domain:?}, or no snapshot at any of t = {error_times:?}")]
+    #[error(
+        "no sample in the domain {}, or no snapshot at any of t = {}",
+        ranges(domain),
+        list(error_times)
+    )]
     Unsampled {
         /// The domain that was asked for.
         domain: Vec<[f64; 2]>,
@@ -50,7 +54,8 @@ pub enum OfflineError {
     },
     /// Snapshots do not have the symmetry of the mesh.
     #[error(
-        "configuration {parameters:?} deviates by {deviation:e} from the symmetry of its mesh; at most {limit:e} is rounding"
+        "the configuration ({}) deviates by {deviation:e} from the symmetry of its mesh; at most {limit:e} is rounding",
+        list(parameters)
     )]
     NotSymmetric {
         /// The configuration.
@@ -104,11 +109,21 @@ pub enum OfflineError {
     #[error("the new model is not valid: {0}")]
     Invalid(OpenError),
     /// The core refuses to evaluate the model at one of its samples.
-    #[error("the new model cannot be evaluated at {parameters:?}: {source}")]
+    #[error("the new model cannot be evaluated at ({}): {source}", list(parameters))]
     Evaluate {
         /// The configuration.
         parameters: Vec<f64>,
         /// The core's answer.
         source: EvaluateError,
     },
+}
+
+fn list(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    texts.join(", ")
+}
+
+fn ranges(ranges: &[[f64; 2]]) -> String {
+    let texts: Vec<String> = ranges.iter().map(|[low, high]| format!("[{low}, {high}]")).collect();
+    texts.join(" x ")
 }

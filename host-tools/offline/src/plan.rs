@@ -310,7 +310,20 @@ impl<'a> Plan<'a> {
             progress,
         )?;
         let names = collection.parameter_names.clone();
-        let parts = clusters(&samples, settings.split, &names)?;
+        let parts = clusters(&samples, settings.split, &names).map_err(|error| match error {
+            OfflineError::TooFewSamples {
+                parameter,
+                range,
+                found,
+                needed,
+            } => OfflineError::TooFewSamples {
+                range: scaling.given_range(settings.split.map_or(0, |split| split.parameter), range),
+                parameter,
+                found,
+                needed,
+            },
+            other => other,
+        })?;
         let domain = Domain {
             names,
             units,
@@ -369,8 +382,8 @@ impl<'a> Plan<'a> {
 
     /// A range of the clusters' parameter in the data's unit.
     pub(crate) fn given_range(&self, range: [f64; 2]) -> [f64; 2] {
-        let parameter = self.scaling.parameters[self.settings.split.map_or(0, |split| split.parameter)];
-        range.map(|value| parameter.origin + parameter.scale * value)
+        let parameter = self.settings.split.map_or(0, |split| split.parameter);
+        self.scaling.given_range(parameter, range)
     }
 
     /// The stored instants.

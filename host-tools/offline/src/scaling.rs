@@ -105,6 +105,12 @@ impl Scaling {
         })
     }
 
+    /// A range of a parameter in the data's units.
+    pub(crate) fn given_range(&self, parameter: usize, range: [f64; 2]) -> [f64; 2] {
+        let ParameterScale { origin, scale, .. } = self.parameters[parameter];
+        range.map(|value| origin + scale * value)
+    }
+
     /// Parameters in the working units.
     fn parameters(&self, values: &[f64]) -> Vec<f64> {
         let pairs = self.parameters.iter().zip(values);

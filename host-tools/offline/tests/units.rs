@@ -254,3 +254,32 @@ fn numbers_beyond_single_precision_are_refused_by_name() {
         assert!(error.to_string().contains(word), "{error}");
     }
 }
+
+#[test]
+fn too_few_samples_are_named_in_the_units_of_the_data() {
+    let mesh = support::octahedral(2);
+    let mut few = collection(&mesh);
+    for list in [&mut few.positions, &mut few.velocities] {
+        list.truncate(6);
+    }
+    few.parameters.truncate(6);
+    let units = Units {
+        parameters: [(300.0, 0.01), (0.0, 1.0)],
+        ..PLAIN
+    };
+    let given = units.apply(&few);
+    let settings = Settings::of_collection(&given).unwrap();
+    let error = build(&given, &settings, &|_, _, _| {}).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            OfflineError::TooFewSamples {
+                found: 6,
+                needed: 7,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    assert!(error.to_string().contains("with p in [300, 300.01]"), "{error}");
+}

@@ -10,8 +10,8 @@ use serde::Serialize;
 use crate::leave_one_out::{InstantErrors, SampleErrors, instant_errors};
 use crate::{StudyError, name};
 
-/// The instants, in l/V.
-const TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
+/// The instants that are asked for unless others are, in l/V.
+pub const FRESH_TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
 
 /// The columns of a table of all errors.
 pub(crate) const HEADING: [&str; 8] = [
@@ -71,8 +71,8 @@ pub struct InstantStated {
     pub below_bound_percent: f64,
 }
 
-/// Compares a model with the configurations of a test set that lie in its domain; and, with the `samples` that it was built
-/// from, these as they are interpolated.
+/// Compares a model with the configurations of a test set that lie in its domain, at those of the `times` (l/V) at which it has
+/// snapshots; and, with the `samples` that it was built from, these as they are interpolated.
 ///
 /// # Errors
 /// Those of the databases; [`StudyError::NothingToCompare`] if none lies in the domain.
@@ -80,16 +80,17 @@ pub fn fresh(
     model: &Model,
     tests: &Database,
     samples: Option<&Database>,
+    times: &[f64],
     progress: Progress,
 ) -> Result<Fresh, StudyError> {
-    let (times, compared) = capsule_offline::compare(model, tests, &TIMES, progress)?;
+    let (times, compared) = capsule_offline::compare(model, tests, times, progress)?;
     if compared.is_empty() || times.is_empty() {
         return Err(StudyError::NothingToCompare);
     }
     let default = name(model.contents().default_method);
     let mut fresh = Fresh::new(&times, compared, default);
     if let Some(samples) = samples {
-        let interpolated = capsule_offline::interpolated(model, samples, tests, &TIMES, progress)?;
+        let interpolated = capsule_offline::interpolated(model, samples, tests, &times, progress)?;
         let errors = interpolated
             .iter()
             .map(|i| SampleErrors::new(&i.parameters, &i.laboratory, &i.shape));

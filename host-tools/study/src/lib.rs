@@ -15,7 +15,7 @@ pub mod task;
 pub mod touched;
 
 pub use error::StudyError;
-pub use fresh::{Fresh, InstantStated, Stated, fresh};
+pub use fresh::{FRESH_TIMES, Fresh, InstantStated, Stated, fresh};
 pub use leave_one_out::{InstantErrors, Report, SampleErrors, leave_one_out};
 pub use report::report;
 

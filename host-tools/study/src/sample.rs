@@ -218,7 +218,7 @@ pub fn replay(
         Ok::<Replayed, StudyError>(Replayed {
             design,
             samples: chosen.len(),
-            fresh: fresh(&model, tests, None, &|_, _, _| {})?,
+            fresh: fresh(&model, tests, None, &crate::FRESH_TIMES, &|_, _, _| {})?,
         })
     };
     let grid: Vec<usize> = (0..samples.len()).filter(|j| on_grid(samples[*j])).collect();

@@ -261,7 +261,7 @@ pub(super) fn calibration(
     model: &Model,
     progress: Progress,
 ) -> Result<Section, StudyError> {
-    let fresh = crate::fresh(model, subject.fresh, None, progress)?;
+    let fresh = crate::fresh(model, subject.fresh, None, &crate::FRESH_TIMES, progress)?;
     let mut section = Section::new(
         "True and stated errors",
         &format!(
