@@ -44,8 +44,12 @@ struct Fixture {
 impl Fixture {
     /// A model that is open and a workspace with a query.
     fn new() -> Self {
+        Self::of(common::Family::small())
+    }
+
+    fn of(family: common::Family) -> Self {
         let mut fixture = Self {
-            file: common::Family::small().file(),
+            file: family.file(),
             model: Box::new(Model {
                 opaque: [0; MODEL_WORDS],
             }),
@@ -542,11 +546,11 @@ fn every_refused_query_leaves_nothing_prepared() {
 
 #[test]
 fn an_extrapolated_answer_has_no_bound_and_an_impossible_shape_is_refused() {
-    let mut fixture = Fixture::new();
+    // Nodes enough for a sphere's volume.
+    let mut fixture = Fixture::of(common::Family::new(2));
     let (model, workspace) = (&raw const *fixture.model, &raw mut *fixture.workspace);
     let mut error = no_error();
-    let prepare = |ca: f32| {
-        let values = parameters(ca);
+    let prepare = |values: [f32; 2]| {
         let asked = Query {
             extrapolate: 1,
             ..query(&values)
@@ -557,7 +561,7 @@ fn an_extrapolated_answer_has_no_bound_and_an_impossible_shape_is_refused() {
         assert_eq!((status, domain), (Status::Ok, Domain::BeyondSteadyLimit));
     };
     let mut number = 7.0;
-    prepare(0.145);
+    prepare([0.141, 0.76]);
     // SAFETY: as before.
     let status = unsafe { capsule_v1_expected_error_at(model, workspace, 0.0, &mut number, &mut error) };
     assert!(status == Status::Ok && number > 0.0 && number < 1.0, "{number}");
@@ -566,7 +570,7 @@ fn an_extrapolated_answer_has_no_bound_and_an_impossible_shape_is_refused() {
     let status = unsafe { capsule_v1_error_bound_at(model, workspace, 0.0, &mut number, &mut error) };
     assert_eq!((status, number, error.status), (Status::NoBound, 7.0, Status::NoBound));
     // The family's volume is not kept.
-    prepare(0.2);
+    prepare([0.2, 0.9]);
     // SAFETY: as before.
     let status = unsafe { capsule_v1_volume_at(model, workspace, 3.0, &mut number, &mut error) };
     let impossible = Status::ImpossibleShape;
