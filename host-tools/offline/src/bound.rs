@@ -9,8 +9,9 @@
 use rayon::prelude::*;
 
 use crate::OfflineError;
+use crate::assembled::Assembled;
 use crate::compare::{METHODS, distances, predictions};
-use crate::plan::{Assembled, Plan, Reduced};
+use crate::plan::{Plan, Reduced};
 use crate::samples::{SAME_ROW, Sample};
 use crate::writer::ClusterParts;
 use capsule_core::model::wire::Method;

@@ -4,13 +4,14 @@ use capsule_core::Model;
 use capsule_database::{Collection, Database};
 use serde::Serialize;
 
+use crate::assembled::Assembled;
 use crate::border::Jump;
 use crate::bound::{bound_factors, interval_bound_factors};
 use crate::compare::METHODS;
 use crate::intervals::interval_errors;
 use crate::leave_one_out::each_left_out;
 use crate::limit::SteadyLimit;
-use crate::plan::{Assembled, Plan};
+use crate::plan::Plan;
 use crate::pod::{DoublePod, Snapshots};
 use crate::spectra::laboratory;
 use crate::writer::{ErrorParts, Numbers};

@@ -9,7 +9,8 @@
 use capsule_core::model::wire::Method;
 
 use crate::OfflineError;
-use crate::plan::{Assembled, Plan};
+use crate::assembled::Assembled;
+use crate::plan::Plan;
 
 /// The most by which an error falls when the interval is halved: the splines are of fourth order.
 const MOST_FALL: f64 = 16.0;

@@ -12,6 +12,7 @@
 //!
 //! Lengths are in l, velocities in V, times in l/V.
 
+mod assembled;
 mod bending;
 mod border;
 mod bound;
@@ -33,6 +34,7 @@ mod settings;
 mod spectra;
 mod splines;
 mod subsets;
+mod surfaces;
 mod svd;
 mod writer;
 

@@ -1,20 +1,19 @@
 //! Everything that is the same for all models built from some snapshots.
 
-use capsule_core::Model;
-use capsule_core::model::wire::{Method, Reference};
-use capsule_database::{Collection, Database, Mesh, Symmetry};
+use capsule_core::model::wire::Reference;
+use capsule_database::{Collection, Database};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
 use crate::border::{Jump, border, is_late, jumps, places};
 use crate::build::Source;
-use crate::compare::{distances, predictions};
 use crate::distance::Distance;
 use crate::hausdorff::Sector;
 use crate::limit::{SteadyLimit, curve, steady_limits};
 use crate::pod::{DoublePod, Snapshots};
 use crate::samples::{Part, SAME_ROW, Sample, Truth, clusters, common_symmetry, instants, of_collection, read};
 use crate::scaling::Scaling;
+use crate::surfaces::Surfaces;
 use crate::writer::{ClusterParts, Domain, MeshParts, Units, write};
 use crate::{OfflineError, Progress, Settings};
 
@@ -68,89 +67,6 @@ pub(crate) struct Reduced {
 pub(crate) struct Built {
     pub(crate) parts: ClusterParts,
     pub(crate) pod: DoublePod,
-}
-
-/// A model of all samples, cluster by cluster.
-pub(crate) struct Assembled<'a> {
-    pub(crate) plan: Plan<'a>,
-    pub(crate) reduced: Vec<Reduced>,
-    pub(crate) built: Vec<Built>,
-}
-
-impl<'a> Assembled<'a> {
-    /// Builds the clusters of a plan; their errors are not known yet.
-    pub(crate) fn new(plan: Plan<'a>) -> Result<Self, OfflineError> {
-        let reduced = plan.reduce()?;
-        let all = |cluster: &Reduced| plan.cluster(cluster, &(0..cluster.part.members.len()).collect::<Vec<_>>());
-        let built = reduced.iter().map(all).collect::<Result<_, _>>()?;
-        Ok(Assembled { plan, reduced, built })
-    }
-
-    /// Errors of a cluster by a method at its own samples, a row for each, at instants of the truth.
-    pub(crate) fn own_errors(
-        &self,
-        cluster: usize,
-        method: Method,
-        truth: fn(&Sample) -> &[Truth],
-    ) -> Result<Vec<Vec<f64>>, OfflineError> {
-        let bytes = self.plan.write(&[&self.built[cluster].parts])?;
-        let model = Model::open(&bytes).map_err(OfflineError::Invalid)?;
-        let errors = self.reduced[cluster].part.members.par_iter().map(|j| {
-            let sample = &self.plan.samples[*j];
-            let failed = |source| OfflineError::Evaluate {
-                parameters: sample.given.clone(),
-                source,
-            };
-            let truth = truth(sample);
-            let predictions = predictions(&model, &sample.parameters, method, truth).map_err(failed)?;
-            let [errors, _] = distances(&model, &sample.parameters, &predictions, truth, &self.plan.distance);
-            Ok(errors)
-        });
-        errors.collect()
-    }
-}
-
-/// Other people's data in the working units.
-#[derive(Clone)]
-struct Surfaces {
-    collection: Collection,
-    /// The parameters in the data's units.
-    given: Vec<Vec<f64>>,
-    /// Whether the velocities were derived from the positions.
-    derived: bool,
-    reference: Mesh,
-    symmetry: Symmetry,
-}
-
-impl Surfaces {
-    /// Every `stride`-th instant, and the instants between these.
-    fn thinned(&self, stride: usize) -> Result<Option<(Self, Vec<usize>)>, OfflineError> {
-        let instants = self.collection.times.len();
-        let last = (instants - 1) / stride * stride;
-        let held_out: Vec<usize> = (0..last).filter(|instant| instant % stride != 0).collect();
-        if held_out.is_empty() {
-            return Ok(None);
-        }
-        fn every<X: Clone>(items: &[X], stride: usize) -> Vec<X> {
-            items.iter().step_by(stride).cloned().collect()
-        }
-        let count = last + 1;
-        let thin = |fields: &[Vec<Vec<[f64; 3]>>]| fields.iter().map(|run| every(&run[..count], stride)).collect();
-        let mut collection = Collection {
-            times: every(&self.collection.times[..count], stride),
-            positions: thin(&self.collection.positions),
-            velocities: thin(&self.collection.velocities),
-            ..self.collection.clone()
-        };
-        if self.derived {
-            collection.velocities = collection.derived_velocities();
-        }
-        let surfaces = Surfaces {
-            collection,
-            ..self.clone()
-        };
-        Ok(Some((surfaces, held_out)))
-    }
 }
 
 impl<'a> Plan<'a> {
