@@ -289,3 +289,28 @@ fn arrays_of_other_types_are_named_with_the_remedy() {
         &["`length_unit` holds 2 texts, expected 1"],
     );
 }
+
+/// The good file's nodes move at 0.2 j x.
+#[test]
+fn velocities_in_another_unit_or_direction_are_refused() {
+    let rates = |factor: f64| {
+        let positions = Arrays::good().get("positions");
+        let start = positions.clone();
+        ArrayD::from_shape_fn(positions.raw_dim(), |at| {
+            factor * 0.2 * at[0] as f64 * start[[at[0], 0, at[2], at[3]]]
+        })
+    };
+    let read = Arrays::good().with("velocities", Some(rates(1.0))).read().unwrap();
+    let derived = Arrays::good().read().unwrap();
+    let (found, expected) = (read.velocities[3][2][7], derived.velocities[3][2][7]);
+    assert!((0..3).all(|d| (found[d] - expected[d]).abs() < 1e-12));
+    for (factor, far) in [
+        (1e-3, "0.001 times"),
+        (1e3, "1000 times"),
+        (0.0, "0 times"),
+        (-1.0, "1 times"),
+    ] {
+        let given = Arrays::good().with("velocities", Some(rates(factor)));
+        given.refused(&["`velocities` are not the rates of `positions`", far]);
+    }
+}

@@ -24,6 +24,7 @@ mod hdf5;
 mod motion;
 mod npz;
 mod parameters;
+mod rates;
 pub mod series;
 mod spline;
 
@@ -96,7 +97,8 @@ impl Collection {
         };
         collection.check_axes()?;
         collection.check_field("positions", &collection.positions)?;
-        if collection.velocities.is_empty() {
+        let derived = collection.velocities.is_empty();
+        if derived {
             collection.velocities = collection.derived_velocities();
         }
         collection.check_field("velocities", &collection.velocities)?;
@@ -107,6 +109,9 @@ impl Collection {
         mesh.validate()?;
         closed::check(&mesh).map_err(DatabaseError::collection)?;
         motion::check(&collection, &mesh)?;
+        if !derived {
+            rates::check(&collection)?;
+        }
         Ok(collection)
     }
 

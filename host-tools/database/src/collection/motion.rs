@@ -249,13 +249,13 @@ fn volume(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<f64, DatabaseError> {
     Ok(mesh.elements.iter().map(tetrahedron).sum())
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// A measured number to four digits.
-fn rounded(value: f64) -> String {
+pub(super) fn rounded(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
@@ -305,6 +305,7 @@ mod tests {
             let mut collection = moving(|node, _, _| node).unwrap();
             let nodes = collection.positions.iter_mut().flatten().flatten();
             nodes.for_each(|node| *node = [unit * (node[0] + 1e4), unit * node[1], unit * node[2]]);
+            collection.velocities.clear();
             Collection::new(collection).unwrap();
         }
     }
