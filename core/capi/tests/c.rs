@@ -181,7 +181,7 @@ fn without_the_paper_s_method_the_rest_is_the_same() {
     let refused = Command::new(mixed).output().unwrap();
     let text = [refused.stdout, refused.stderr].concat();
     let text = String::from_utf8_lossy(&text);
-    assert!(!refused.status.success() && text.contains("12600"), "{text}");
+    assert!(!refused.status.success() && text.contains("12624"), "{text}");
 }
 
 #[test]
