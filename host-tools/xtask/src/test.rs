@@ -90,7 +90,7 @@ impl Stage {
                 ))?;
                 run(command("cargo doc --quiet --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))
             }
-            Self::Rust => run(&mut command("cargo test --workspace")),
+            Self::Rust => run(&mut command("cargo test --workspace --no-fail-fast")),
             Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
             Self::C => {
                 let host = package::host()?;
