@@ -4,7 +4,9 @@ mod support;
 
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
-use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace};
+use capsule_core::{
+    Domain, EvaluateError, Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace,
+};
 use capsule_database::{Collection, Mesh, vtu};
 use capsule_offline::{Settings, Split, Storage, Truncation, build, leave_one_out};
 use hdf5_pure::FileBuilder;
@@ -243,6 +245,54 @@ fn far_from_the_samples_is_said() {
             .starts_with("parameter_2 = 2 lies outside"),
         "{error}"
     );
+}
+
+/// The family swells with its parameters: a little outside it is answered, as a guess; far outside its volume is none that any
+/// snapshot has.
+#[test]
+fn extrapolated_answers_are_guesses_or_refused() {
+    let collection = family(2, 60);
+    let (bytes, _) = build(&collection, &settings(&collection), &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let mut ask = |parameters: [f64; 2]| {
+        let query = Query {
+            extrapolate: true,
+            ..Query::new(Parameters::from(parameters), Method::Direct)
+        };
+        let domain = evaluator.prepare(&query).unwrap();
+        let mut instant = evaluator.at(1.0).unwrap();
+        (
+            domain,
+            instant.expected_error(),
+            instant.error_bound(),
+            instant.volume(),
+        )
+    };
+    let (domain, inside, bound, volume) = ask([0.5, 0.5]);
+    assert!(domain == Domain::Inside && bound.is_ok() && volume.is_ok());
+    let (domain, beside, bound, volume) = ask([0.5, 1.02]);
+    assert_eq!((domain, bound), (Domain::Outside, Err(EvaluateError::NoBound)));
+    assert!(volume.is_ok() && beside.unwrap() > inside.unwrap());
+    let (domain, _, bound, volume) = ask([0.5, 2.5]);
+    assert_eq!((domain, bound), (Domain::Outside, Err(EvaluateError::NoBound)));
+    let of = |nodes: &Vec<[f64; 3]>| tilted().volume_and_centroid(nodes).unwrap().0;
+    let volumes: Vec<f64> = collection.positions.iter().flatten().map(of).collect();
+    let [least, most] = volumes
+        .iter()
+        .fold([f64::MAX, 0.0], |[a, b]: [f64; 2], v| [a.min(*v), b.max(*v)]);
+    match volume {
+        Err(EvaluateError::WrongVolume { volume, min, max }) => {
+            assert!(volume < min || volume > max);
+            // Independent of the model: 2 % around the volumes of the snapshots.
+            assert!(
+                (f64::from(max / min) - 1.02 / 0.98 * most / least).abs() < 1e-3,
+                "{min} {max}"
+            );
+        }
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

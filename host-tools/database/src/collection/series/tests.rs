@@ -137,10 +137,7 @@ fn series_are_read_with_their_velocities() {
     );
     let nodes = moved(&mesh.nodes, 1, 2);
     assert_eq!(collection.positions[1][2], nodes);
-    assert_eq!(
-        collection.velocities[1][2],
-        nodes.iter().map(rate).collect::<Vec<_>>()
-    );
+    assert_eq!(collection.velocities[1][2], nodes.iter().map(rate).collect::<Vec<_>>());
 }
 
 #[test]
