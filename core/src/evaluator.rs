@@ -2,7 +2,7 @@
 
 use crate::dynamics::{Source, Step};
 use crate::error::{EvaluateError, finite};
-use crate::expected_error::{bound_factor, expected_error, interval_error};
+use crate::expected_error::{bound_factor, expected_error, extrapolation_error, interval_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
 use crate::manifold::Times;
@@ -516,7 +516,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     pub fn expected_error(&mut self) -> Result<T, EvaluateError> {
         self.plausible()?;
         let [time, _] = self.interval_error();
-        number(self.interpolation_error() + time)
+        let guess = if self.domain == Domain::Inside {
+            T::ZERO
+        } else {
+            extrapolation_error(self.errors(), &self.error_times(), &self.workspace.weights, self.t)
+        };
+        number(self.interpolation_error() + time + guess)
     }
 
     /// What interpolation in the parameters is expected to leave, and the modes.

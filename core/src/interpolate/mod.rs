@@ -269,6 +269,12 @@ impl<T: Real, const N: usize> Weights<T, N> {
             .sqrt()
     }
 
+    /// How far the nearest sample is, in the coordinates of the interpolation.
+    pub fn nearest(&self) -> T {
+        let offset = self.offsets.first().filter(|_| self.count > 0);
+        offset.map_or(T::ZERO, |offset| square(*offset).sqrt() * self.radius)
+    }
+
     /// L^T S L - 2 L^T s with the covariances S of the samples and s of these with the query.
     fn quadratic_form(&self) -> T {
         let two = T::from_f32(2.0);

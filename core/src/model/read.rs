@@ -54,7 +54,7 @@ parts! {
     Samples<'a> { parameters, places }
     Field<'a> { modes, knots, spans, axial_controls, axial_modes }
     Span<'a> { parameter_modes, slices, core }
-    Errors<'a> { left_out, deviation, bound_factors, floor }
+    Errors<'a> { left_out, deviation, bound_factors, changes, floor }
     Kernel { neighbours, scales }
     Paper { neighbours, scales, radius, displacement_rank, velocity_rank, window }
     Matrix<'a> { rows, columns, encoding, blob }

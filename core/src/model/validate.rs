@@ -293,11 +293,13 @@ impl Judge {
             left_out,
             deviation,
             bound_factors,
+            changes,
             floor,
         } = errors;
         self.matrix("leave-one-out errors", left_out, [samples, error_times], POSITIVE);
         self.matrix("deviations", deviation, [samples, 1], [f32::MIN_POSITIVE, LARGEST]);
         self.matrix("bound's factors", bound_factors, [error_times, 1], POSITIVE);
+        self.matrix("changes between samples", changes, [error_times, 1], POSITIVE);
         self.fixed(
             *floor,
             &Range {

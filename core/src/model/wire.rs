@@ -246,6 +246,9 @@ pub struct Errors<'a> {
     pub deviation: Matrix<'a>,
     /// `[N_e, 1]`: the 95 % bound of the error as a multiple of the expected error, at each of the instants.
     pub bound_factors: Matrix<'a>,
+    /// `[N_e, 1]`: by how much the solution changes from a sample to those nearest to it at each of the instants, per unit of
+    /// distance in the coordinates of the interpolation, as a fraction of a: nine in ten changes are slower.
+    pub changes: Matrix<'a>,
     /// Error that remains at a sample itself (truncation, storage), fraction of a.
     pub floor: f64,
 }
@@ -351,7 +354,7 @@ impl Parameter<'_> {
 
 impl<'a> Contents<'a> {
     /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (14 + 3 * MAX_SPANS) * MAX_CLUSTERS;
+    pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (16 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

@@ -332,6 +332,7 @@ impl Family {
                     a.f32s(samples.iter().flat_map(|_| [0.001, 0.002]));
                     a.f32s(samples.iter().map(|_| 0.01));
                     a.f32s([2.0, 3.0]);
+                    a.f32s([0.5, 0.7]);
                 }
                 a.f32s(samples.iter().flat_map(|_| self.times[1..].iter().map(|_| 0.0)));
                 a.f32s(self.times[1..].iter().map(|_| 1.5));
@@ -383,6 +384,7 @@ impl Family {
                 left_out: f32(count, 2, blob()),
                 deviation: f32(count, 1, blob()),
                 bound_factors: f32(2, 1, blob()),
+                changes: f32(2, 1, blob()),
                 floor: 1e-5,
             };
             let (direct_errors, paper_errors) = (errors(), errors());

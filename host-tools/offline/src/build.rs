@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::assembled::Assembled;
 use crate::border::Jump;
 use crate::bound::{bound_factors, interval_bound_factors};
+use crate::changes::changes;
 use crate::compare::METHODS;
 use crate::intervals::interval_errors;
 use crate::leave_one_out::each_left_out;
@@ -157,6 +158,12 @@ pub fn build<'a>(
     }
     progress("error bounds", 0, 1);
     let factors = bound_factors(&model)?;
+    for cluster in 0..model.built.len() {
+        let changes = changes(&model, cluster)?;
+        for (errors, changes) in model.built[cluster].parts.errors.iter_mut().zip(&changes) {
+            errors.changes = Numbers::column(changes);
+        }
+    }
     bound_intervals(&mut model, two.as_ref())?;
     progress("error bounds", 1, 1);
 

@@ -17,6 +17,7 @@ mod bending;
 mod border;
 mod bound;
 mod build;
+mod changes;
 mod compare;
 mod distance;
 mod error;

@@ -281,6 +281,11 @@ impl<'a> Plan<'a> {
         self.surfaces.is_none()
     }
 
+    /// The radius of a sample, in the working unit.
+    pub(crate) fn radius(&self, sample: &Sample) -> f64 {
+        if self.of_channel() { sample.parameters[1] } else { 1.0 }
+    }
+
     /// The working unit of length in the data's.
     pub(crate) fn length(&self) -> f64 {
         self.scaling.length

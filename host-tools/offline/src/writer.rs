@@ -354,6 +354,8 @@ pub(crate) struct ErrorParts {
     pub(crate) deviation: Numbers,
     /// `[N_e, 1]`
     pub(crate) bound_factors: Numbers,
+    /// `[N_e, 1]`
+    pub(crate) changes: Numbers,
     pub(crate) floor: f64,
 }
 
@@ -364,6 +366,7 @@ impl ErrorParts {
             left_out: Numbers::new(samples, times, |_, _| 0.0),
             deviation: Numbers::new(samples, 1, |_, _| 1.0),
             bound_factors: Numbers::new(times, 1, |_, _| 1.0),
+            changes: Numbers::new(times, 1, |_, _| 0.0),
             floor: 0.0,
         }
     }
@@ -385,6 +388,7 @@ impl ErrorParts {
             left_out: self.left_out.without(out),
             deviation: self.deviation.without(out),
             bound_factors: self.bound_factors.clone(),
+            changes: self.changes.clone(),
             floor: self.floor,
         }
     }
@@ -394,6 +398,7 @@ impl ErrorParts {
             left_out: self.left_out.matrix(),
             deviation: self.deviation.matrix(),
             bound_factors: self.bound_factors.matrix(),
+            changes: self.changes.matrix(),
             floor: self.floor,
         }
     }
@@ -602,7 +607,7 @@ impl ClusterParts {
     }
 
     /// The samples' places in the coordinates.
-    fn places(&self, coordinates: &Coordinates<'_>) -> Numbers {
+    pub(crate) fn places(&self, coordinates: &Coordinates<'_>) -> Numbers {
         let matrix = self.samples.matrix();
         let samples = MatrixView::new(&matrix);
         let place = |j: usize| {
@@ -763,7 +768,7 @@ pub(crate) fn write(
         room += cluster
             .errors
             .iter()
-            .map(|e| e.left_out.bytes.len() + e.deviation.bytes.len() + e.bound_factors.bytes.len())
+            .map(|e| e.left_out.bytes.len() + e.deviation.bytes.len() + 2 * e.bound_factors.bytes.len())
             .sum::<usize>();
     }
     let mut buffer = vec![0; room];
