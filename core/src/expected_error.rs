@@ -25,9 +25,9 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
 }
 
-/// What an extrapolation may lose beyond that, a guess: a share of what the solution changes by over the distance to the nearest
-/// sample, which grows with the weights. Between samples sum |L_j| is little more than 1, outside of them it grows with
-/// the square of the distance. That the leave-one-out errors ask along dense rows makes them blind to it.
+/// What an extrapolation may lose beyond that, a guess: a share of what the solution changes by over the distance to
+/// the nearest sample, which grows with the weights. Between samples sum |L_j| is little more than 1, outside of them
+/// it grows with the square of the distance. That the leave-one-out errors ask along dense rows makes them blind to it.
 pub(crate) fn extrapolation_error<T: Real, const N: usize>(
     errors: &Errors<'_>,
     instants: &MatrixView<'_>,

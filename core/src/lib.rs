@@ -13,7 +13,7 @@
 //! let mut evaluator = Evaluator::new(&model, &mut workspace)?;
 //! evaluator.prepare(&Query::new([0.10, 0.90], Method::Direct))?;
 //! let mut instant = evaluator.at(3.0)?;
-//! println!("{:?}, expected error {}", instant.observables()?, instant.expected_error());
+//! println!("{:?}, expected error {}", instant.observables()?, instant.expected_error()?);
 //! # Ok(())
 //! # }
 //! ```

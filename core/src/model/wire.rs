@@ -246,8 +246,8 @@ pub struct Errors<'a> {
     pub deviation: Matrix<'a>,
     /// `[N_e, 1]`: the 95 % bound of the error as a multiple of the expected error, at each of the instants.
     pub bound_factors: Matrix<'a>,
-    /// `[N_e, 1]`: by how much the solution changes from a sample to those nearest to it at each of the instants, per unit of
-    /// distance in the coordinates of the interpolation, as a fraction of a: nine in ten changes are slower.
+    /// `[N_e, 1]`: by how much the solution changes around a sample at each of the instants, per unit of distance in
+    /// the coordinates of the interpolation, as a fraction of a: around nine in ten samples it changes more slowly.
     pub changes: Matrix<'a>,
     /// Error that remains at a sample itself (truncation, storage), fraction of a.
     pub floor: f64,

@@ -157,3 +157,47 @@ fn the_bound_of_a_few_samples_and_instants_holds_too() {
         }
     }
 }
+
+/// Samples that lie dense along rows and sparse across them, as those of the channel do: a leave-one-out error asks
+/// along a row, where all is well known, and says nothing of what is beyond the last row.
+#[test]
+fn a_guess_beyond_the_last_row_is_not_far_too_small() {
+    let mesh = support::octahedral(2);
+    let rows: Vec<Vec<f64>> = (0..4)
+        .flat_map(|row| (0..17).map(move |k| vec![f64::from(k) / 16.0, f64::from(row) / 3.0]))
+        .collect();
+    let curved: Family = |p, q, t| {
+        [
+            1.0 + 0.1 * (q + p).sin() * t,
+            0.05 * q,
+            (1.0 + 0.6 * (-1.5 * q).exp()) * t,
+        ]
+    };
+    let bytes = built(&mesh, curved, &rows, 21);
+    let model = Model::open(&bytes).unwrap();
+    let mut workspace = Box::new(Workspace::<f64>::new());
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mut found = vec![[0.0; 3]; mesh.nodes.len()];
+    for q in [-0.1, -0.3, 1.3] {
+        let query = Query {
+            extrapolate: true,
+            ..Query::new(Parameters::from([0.52, q]), Method::Direct)
+        };
+        evaluator.prepare(&query).unwrap();
+        for t in [0.4, 1.9] {
+            let mut instant = evaluator.at(t).unwrap();
+            instant.positions(&scene, &mut found).unwrap();
+            let exact = nodes(&mesh, curved(0.52, q, t));
+            let apart = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt();
+            let error =
+                found.iter().zip(&exact).map(apart).sum::<f64>() / found.len() as f64 / model.radius([0.5, 0.5]);
+            let guess = instant.expected_error().unwrap();
+            println!("q = {q}, t = {t}: {error:.5}, guessed {guess:.5}");
+            assert!(error < 5.0 * guess, "q = {q}, t = {t}: {error} {guess}");
+        }
+    }
+}

@@ -247,8 +247,8 @@ fn far_from_the_samples_is_said() {
     );
 }
 
-/// The family swells with its parameters: a little outside it is answered, as a guess; far outside its volume is none that any
-/// snapshot has.
+/// The family swells with its parameters: a little outside it is answered, as a guess; far outside its volume is none
+/// that any snapshot has.
 #[test]
 fn extrapolated_answers_are_guesses_or_refused() {
     let collection = family(2, 60);

@@ -71,8 +71,8 @@ pub struct InstantStated {
     pub below_bound_percent: f64,
 }
 
-/// Compares a model with the configurations of a test set that lie in its domain, at those of the `times` (l/V) at which it has
-/// snapshots; and, with the `samples` that it was built from, these as they are interpolated.
+/// Compares a model with the configurations of a test set that lie in its domain, at those of the `times` (l/V) at
+/// which it has snapshots; and, with the `samples` that it was built from, these as they are interpolated.
 ///
 /// # Errors
 /// Those of the databases; [`StudyError::NothingToCompare`] if none lies in the domain.

@@ -6,9 +6,9 @@ use super::Collection;
 use super::motion::{median, rounded};
 use crate::DatabaseError;
 
-/// The most that the way from one snapshot to the next may differ from that by the mean of both velocities, as a share of the
-/// greater one, in half of all intervals. A motion that the instants resolve differs by a few per cent, and one that they do
-/// not by a half; velocities of another unit or sign by all.
+/// The most that the way from one snapshot to the next may differ from that by the mean of both velocities, as a share
+/// of the greater one, in half of all intervals. A motion that the instants resolve differs by a few per cent, and one
+/// that they do not by a half; velocities of another unit or sign by all.
 const MOST: f64 = 0.9;
 /// Ways shorter than this share of the longest are rest.
 const REST: f64 = 1e-6;
