@@ -64,7 +64,7 @@
 #define CAPSULE_WORKSPACE_ALIGNMENT 8
 
 // Words of eight bytes in a model.
-#define CAPSULE_MODEL_WORDS 780
+#define CAPSULE_MODEL_WORDS 828
 
 // Bytes of a model.
 #define CAPSULE_MODEL_SIZE (CAPSULE_MODEL_WORDS * 8)

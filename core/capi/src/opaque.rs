@@ -28,7 +28,7 @@ pub const WORKSPACE_SIZE: usize = WORKSPACE_WORDS * 8;
 /// Alignment of a workspace.
 pub const WORKSPACE_ALIGNMENT: usize = 8;
 /// Words of eight bytes in a model.
-pub const MODEL_WORDS: usize = 780;
+pub const MODEL_WORDS: usize = 828;
 /// Bytes of a model.
 pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
 /// Alignment of a model.
