@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What is asked for: the name that says it is there, and an instruction.
+/// A feature of the target: its name, and an instruction that needs it.
 const INSTRUCTIONS: [(&str, &str); 2] = [("smlad", "smlad r0, r1, r2, r3"), ("vsqrt", "vsqrt.f32 s0, s0")];
 
 fn main() {

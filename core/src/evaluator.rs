@@ -418,7 +418,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
 
     #[inline(never)]
     fn judge_shape(&mut self) -> Result<(), EvaluateError> {
-        /// What a volume may deviate by.
+        /// Relative deviation of a volume that is allowed.
         const VOLUME: f32 = 0.02;
         let [volume, reach] = self.volume_and_reach()?;
         let radius = self.model.radius(self.query.parameters);
@@ -524,12 +524,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         number(self.interpolation_error() + time + guess)
     }
 
-    /// What interpolation in the parameters is expected to leave, and the modes.
+    /// Expected error of the interpolation in the parameters and of the truncation.
     fn interpolation_error(&self) -> T {
         expected_error(self.errors(), &self.error_times(), &self.workspace.weights, self.t)
     }
 
-    /// What interpolation in time adds: expected, and at most.
+    /// Error of the interpolation in time: expected, and its bound.
     fn interval_error(&self) -> [T; 2] {
         interval_error(self.cluster, &self.model.times(), &self.workspace.weights, self.t)
     }
@@ -663,7 +663,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     }
 }
 
-/// What the paper's method works with; none in a workspace without room for it, where no query is prepared for it.
+/// Source and factor of the paper's method; none in a workspace without room for it, where no query is prepared for it.
 fn learned<'a, 's, 'f, T: Real, const K: usize, const M: usize>(
     model: &'s Model<'a>,
     motion: Motion<'a, 's, T, K>,

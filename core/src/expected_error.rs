@@ -25,7 +25,7 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
 }
 
-/// What an extrapolation may lose beyond that, a guess: a share of what the solution changes by over the distance to
+/// Guess of the error of an extrapolation beyond that: a share of the change of the solution over the distance to
 /// the nearest sample, which grows with the weights. Between samples sum |L_j| is little more than 1, outside of them
 /// it grows with the square of the distance. That the leave-one-out errors ask along dense rows makes them blind to it.
 pub(crate) fn extrapolation_error<T: Real, const N: usize>(
@@ -41,7 +41,7 @@ pub(crate) fn extrapolation_error<T: Real, const N: usize>(
     T::from_f32(SHARE) * (weights.lebesgue() - T::ONE).max(T::ZERO) * change * weights.nearest()
 }
 
-/// What the interpolation in time adds between two stored instants, expected and at most: the errors in the middle of
+/// Error of the interpolation in time between two stored instants, expected and its bound: the errors in the middle of
 /// the interval, weighted by |L_j|, times 4 s (1 - s) with s the way from one instant to the other. 0 where none are
 /// stored.
 pub(crate) fn interval_error<T: Real, const N: usize>(

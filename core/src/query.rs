@@ -9,7 +9,7 @@ pub use crate::model::wire::{MAX_PARAMETERS, Method};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<T> {
     values: [T; MAX_PARAMETERS],
-    /// What rounding to `T` took from the values.
+    /// Remainders of the rounding of the values to `T`.
     rests: [T; MAX_PARAMETERS],
     count: usize,
 }

@@ -1,4 +1,4 @@
-//! What the full-order model itself errs by, in words.
+//! The effect of the full-order model's bending stiffness, in words.
 
 use capsule_core::Model;
 use capsule_core::model::MatrixView;

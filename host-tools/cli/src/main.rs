@@ -120,7 +120,7 @@ enum Study {
     LeaveOneOut(study_leave_one_out::Options),
     /// Compare the model with configurations that no sample shares
     Fresh(study_fresh::Options),
-    /// What the bending stiffness of the full-order model changes
+    /// The effect of the full-order model's bending stiffness
     Bending(study_bending::Options),
     /// Suggest the configurations to compute next
     Sample(study_sample::Options),

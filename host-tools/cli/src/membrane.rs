@@ -1,4 +1,4 @@
-//! What `predict` asks of the surface: positions, velocities and the mechanics of the membrane.
+//! The surface for `predict`: positions, velocities and the mechanics of the membrane.
 
 use crate::fields::{self, Column, Field, Surface, Totals};
 use anyhow::Result;

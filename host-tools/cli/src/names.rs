@@ -62,7 +62,7 @@ fn usage<T>(message: &str) -> Result<T> {
 struct Reader<'a> {
     names: &'a [String],
     readings: Vec<Vec<(usize, f64)>>,
-    /// What is wrong farthest on in the text, and how much of it is left there.
+    /// The fault farthest on in the text, and how much of the text is left there.
     complaint: Complaint<'a>,
     left: usize,
 }

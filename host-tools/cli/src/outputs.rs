@@ -9,7 +9,7 @@ use std::fs::OpenOptions;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
-/// What a command reads, and what it writes. Name all of it, then [`Outputs::checked`].
+/// Inputs and outputs of a command. Name all of them, then call [`Outputs::checked`].
 #[derive(Default)]
 pub struct Outputs {
     inputs: Vec<Named>,

@@ -32,7 +32,7 @@ pub enum Snapshots {
 const CLOSE: f64 = 1e-9;
 
 impl SourceOptions {
-    /// What is read, as the checks of outputs need it.
+    /// Inputs, as the checks of outputs need them.
     pub fn reads(&self, outputs: Outputs) -> Outputs {
         match &self.from {
             Some(from) => outputs.reads("--from", from.as_path()),

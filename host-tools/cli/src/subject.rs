@@ -33,7 +33,7 @@ pub struct Files {
 }
 
 impl SubjectOptions {
-    /// What is read, as the checks of outputs need it.
+    /// Inputs, as the checks of outputs need them.
     pub fn reads(&self, outputs: Outputs) -> Outputs {
         outputs
             .reads("--model", self.model.path())

@@ -1,4 +1,4 @@
-//! What the command writes: never over what it reads, checked before anything is computed, all of it or nothing.
+//! Outputs of a command: never over an input, checked before anything is computed, all or none.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What `predict` says of the validity of its answers, and that it is right.
+//! `predict` states the validity of its answers, and states it right.
 
 use serde_json::Value;
 use std::path::Path;

@@ -213,7 +213,7 @@ impl DatabaseError {
         }
     }
 
-    /// What is wrong with a collection.
+    /// A fault of a collection.
     pub(crate) fn collection(reason: impl Into<String>) -> Self {
         DatabaseError::BadCollection { reason: reason.into() }
     }

@@ -11,7 +11,7 @@ pub enum OfflineError {
     #[error(transparent)]
     Database(#[from] DatabaseError),
     /// The database is not over capillary number and confinement.
-    #[error("the database has the parameters {}; a model is built over capillary_number, confinement", found.join(", "))]
+    #[error("the database is over {}; a model is built over capillary_number, confinement", found.join(", "))]
     WrongParameters {
         /// The parameters' names.
         found: Vec<String>,

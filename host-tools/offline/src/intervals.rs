@@ -1,4 +1,4 @@
-//! What the interpolation in time leaves between the instants of other people's data.
+//! The error of the interpolation in time between the instants of other people's data.
 //!
 //! No snapshot says it. But a model of every other instant can be asked for those that were left out of it, and so can
 //! models of every fourth and every eighth: from one to the next the errors fall, and so they will to the whole model
@@ -15,7 +15,7 @@ use crate::plan::Plan;
 /// The most by which an error falls when the interval is halved: the splines are of fourth order.
 const MOST_FALL: f64 = 16.0;
 
-/// What a model of every so many instants errs at those that it does not know.
+/// Errors of a model of every so many instants at those that it does not know.
 struct Coarse {
     /// In the middle of each interval, a row for each sample.
     middle: Vec<Vec<f64>>,
@@ -45,7 +45,7 @@ impl Coarse {
         }
     }
 
-    /// What a model errs at the instants that it leaves out, beyond what it errs at those that it knows.
+    /// Errors of a model at the instants that it leaves out, beyond its errors at those that it knows.
     fn of(model: &Assembled, cluster: usize, floor: f64) -> Result<Self, OfflineError> {
         let errors = model
             .own_errors(cluster, Method::Direct, |sample| &sample.held_out)?

@@ -29,7 +29,7 @@ impl ParameterScale {
     }
 }
 
-/// What the working units are in the data's.
+/// The working units in the data's units.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Scaling {
     pub(crate) parameters: Vec<ParameterScale>,

@@ -40,7 +40,7 @@ impl Arrays {
         self.0.iter().find(|(known, _)| *known == name).unwrap().1.clone()
     }
 
-    /// What reading says of it, as NPZ and as HDF5; both must agree but for the file's name.
+    /// The outcome of reading it as NPZ and as HDF5; both must agree but for the file's name.
     fn read(&self) -> Result<Collection, String> {
         let directory = tempfile::tempdir().unwrap();
         let npz = directory.path().join("data.npz");

@@ -141,7 +141,7 @@ impl Arrays for Archive {
     }
 }
 
-/// What the library says, without the names of its layers.
+/// The library's message without the names of its layers.
 fn words(error: &Hdf5Error) -> String {
     let text = error.to_string();
     let layers = [

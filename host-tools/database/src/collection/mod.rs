@@ -61,7 +61,7 @@ impl Collection {
     /// than it stands in the files.
     ///
     /// # Errors
-    /// What is missing, misshapen, of another type or not finite, with the file, the array and what was expected; what
+    /// Arrays that are missing, misshapen, of another type or not finite, with file and expectation; collections that
     /// [`Collection::new`] refuses.
     pub fn read(path: &Path) -> Result<(Self, Vec<String>), DatabaseError> {
         if path.is_dir() {

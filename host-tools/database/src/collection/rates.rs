@@ -50,8 +50,8 @@ pub(super) fn check(collection: &Collection) -> Result<(), DatabaseError> {
         .map(|[way, by_velocity, _]| by_velocity / way)
         .collect();
     Err(DatabaseError::collection(format!(
-        "`velocities` are not the rates of `positions`: between snapshots they lead {} times as far, in half of all intervals; \
-         expected the same units, frame and direction (without `velocities` they are derived)",
+        "`velocities` are not the rates of `positions`: between snapshots they lead {} times as far, in half of all \
+         intervals; expected the same units, frame and direction (without `velocities` they are derived)",
         rounded(median(&mut ratios))
     )))
 }

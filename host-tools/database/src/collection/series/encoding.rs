@@ -19,7 +19,7 @@ impl<'a> Encoding<'a> {
     /// Of a file's markup and what it has appended.
     ///
     /// # Errors
-    /// What is not supported, by its name.
+    /// The unsupported feature, by its name.
     pub fn new(file: Node, appended: Option<&'a [u8]>) -> Result<Self, String> {
         let other = |name: &str, found: &str, expected: &str| Err(format!("{name} `{found}`, expected {expected}"));
         let header = match file.attribute("header_type").unwrap_or("UInt32") {
@@ -57,7 +57,7 @@ impl<'a> Encoding<'a> {
     /// The numbers of an array, `count` of them.
     ///
     /// # Errors
-    /// What is wrong with it: what was found, and what was expected.
+    /// The fault: found and expected.
     pub fn numbers(&self, array: Node, count: usize) -> Result<Vec<f64>, String> {
         let kind = array.attribute("type").unwrap_or_default();
         let size = size(kind)?;

@@ -30,7 +30,7 @@ impl Markup {
         })
     }
 
-    /// What follows the underscore in `AppendedData`.
+    /// The bytes after the underscore in `AppendedData`.
     pub fn appended(&self) -> Option<&[u8]> {
         self.appended.as_deref()
     }

@@ -33,7 +33,7 @@ use weld::Weld;
 /// Reads the series of a folder, with warnings: what was taken otherwise than it stands in the files.
 ///
 /// # Errors
-/// What is missing, malformed or not supported, with its file, array, row or instant.
+/// Missing, malformed and unsupported content, with its file, array, row or instant.
 pub(crate) fn read(folder: &Path) -> Result<(Collection, Vec<String>), DatabaseError> {
     let mut notes = Vec::new();
     let path = folder.join("parameters.csv");

@@ -27,7 +27,7 @@ impl Snapshot {
     /// Reads a file.
     ///
     /// # Errors
-    /// What is missing, malformed or not supported, with the array and the cell.
+    /// Missing, malformed and unsupported content, with the array and the cell.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         let markup = Markup::new(bytes)?;
         let document = markup.document("UnstructuredGrid")?;
