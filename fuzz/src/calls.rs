@@ -279,9 +279,10 @@ pub fn calls(bytes: &[u8]) {
     };
     for call in calls.iter().filter(|call| call.is_fair()).take(16) {
         let before = objects.workspace.opaque;
-        // The largest value that a pointer of the interface is for has less than 64 bytes.
-        let mut out = Memory::new(call.out, 64.max(4 * call.capacity()));
-        let mut count = Memory::new(call.count, 64);
+        // The largest value that a pointer of the interface is for.
+        let largest = size_of::<Description>();
+        let mut out = Memory::new(call.out, largest.max(4 * call.capacity()));
+        let mut count = Memory::new(call.count, largest);
         let mut error = Memory::new(call.error, size_of::<Error>());
         let (status, answers) = objects.make(call, &mut out, &mut count, &mut error);
         let untouched = |memory: &Memory| memory.words.iter().all(|word| *word == 0);
