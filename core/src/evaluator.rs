@@ -459,6 +459,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         self.plausible()?;
         self.velocity();
         let velocity = &self.workspace.velocity;
+        velocity.checked()?;
         let translation = match scene.frame {
             Frame::Laboratory => velocity.translation / self.root_of_nodes(),
             Frame::Centroid => T::ZERO,
@@ -647,6 +648,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         }
         let count = leading(part(out, 0..modes.columns()), negligible);
         computed.t = Some(t);
+        computed.judge(modes.columns());
         computed.shape.ready(&modes, count);
     }
 
@@ -655,6 +657,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         self.plausible()?;
         self.displacement();
         let displacement = &self.workspace.displacement;
+        displacement.checked()?;
         let translation = match frame {
             Frame::Laboratory => self.axial_position(displacement.translation),
             Frame::Centroid => T::ZERO,

@@ -1,6 +1,7 @@
 //! All storage of a computation, owned by the caller.
 
 use crate::dynamics::Dynamics;
+use crate::error::EvaluateError;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, MOST_COLUMNS};
 use crate::model::Vectors;
@@ -85,6 +86,8 @@ pub(crate) struct Prepared<T> {
 pub(crate) struct Coefficients<T: Real, const K: usize> {
     pub(crate) t: Option<T>,
     pub(crate) translation: T,
+    /// Whether nodes computed from them are sure to be finite.
+    bounded: bool,
     pub(crate) shape: Vectors<T, K>,
 }
 
@@ -92,8 +95,28 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
     const EMPTY: Self = Self {
         t: None,
         translation: T::ZERO,
+        bounded: false,
         shape: Vectors::ZERO,
     };
+
+    /// Judges the first of its values before any node is written to a caller's buffer: no entry of a mode is beyond
+    /// 1e6, so that all nodes are finite where these are bounded.
+    pub(crate) fn judge(&mut self, modes: usize) {
+        const MOST: f32 = 1e30;
+        let values = self.shape.values.as_flattened().iter().take(modes);
+        let sum = values.fold(self.translation.abs(), |sum, value| sum + value.abs());
+        // A NaN is not within.
+        self.bounded = sum <= T::from_f32(MOST);
+    }
+
+    /// Refuses coefficients that could lead to a node that is not finite.
+    pub(crate) fn checked(&self) -> Result<(), EvaluateError> {
+        if self.bounded {
+            Ok(())
+        } else {
+            Err(EvaluateError::NotFinite)
+        }
+    }
 }
 
 impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Workspace<T, K, M, N, S> {
@@ -122,7 +145,9 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
         parts.put(offset_of!(Self, prepared), None::<Prepared<T>>);
         parts.put(offset_of!(Self, plausible), None::<T>);
         parts.put(offset_of!(Self, displacement.t), None::<T>);
+        parts.put(offset_of!(Self, displacement.bounded), false);
         parts.put(offset_of!(Self, velocity.t), None::<T>);
+        parts.put(offset_of!(Self, velocity.bounded), false);
         Contracted::<T, K>::put(parts, offset_of!(Self, contracted));
         Controls::<T, K>::put(parts, offset_of!(Self, controls));
         Dynamics::<T, M>::put(parts, offset_of!(Self, dynamics));

@@ -249,10 +249,9 @@ impl Call {
     }
 
     /// Whether the outputs are left as they were where the call fails.
-    fn leaves_its_outputs(&self, status: Status) -> bool {
+    fn leaves_its_outputs(&self) -> bool {
         // The domain is said, and the scratch of the membrane used.
-        let uses_them = matches!(self.function, Function::Prepare { .. } | Function::Membrane);
-        !uses_them && status != Status::NotFinite
+        !matches!(self.function, Function::Prepare { .. } | Function::Membrane)
     }
 
     /// Whether the call may be made: pointers into the workspace only with the workspace.
@@ -290,7 +289,7 @@ pub fn calls(bytes: &[u8]) {
         if refused {
             assert!(objects.workspace.opaque == before, "{call:?} was refused");
         }
-        if refused || status != Status::Ok && call.leaves_its_outputs(status) {
+        if refused || status != Status::Ok && call.leaves_its_outputs() {
             assert!(untouched(&out) && untouched(&count), "{call:?} failed");
         }
         if matches!(call.error, Place::Right) && !matches!(call.function, Function::StatusText(_)) {

@@ -26,8 +26,7 @@ const INTRODUCTION: &str = "\
    another argument or with the model's file, the call is refused and `error` is left as it was.
 
    Where a call fails, nothing else is written, but for the `domain` of capsule_prepare, the `scratch` of
-   capsule_membrane_at, a model that did not open, and, where the status is CAPSULE_STATUS_NOT_FINITE, the buffer of
-   points. A buffer is written as far as the answer goes, and not beyond.
+   capsule_membrane_at and a model that did not open. A buffer is written as far as the answer goes, and not beyond.
 
    libcapsule_direct.a is without the paper's method, in half the workspace and four fifths of the code. A program that
    links it defines CAPSULE_DIRECT before it includes this.
