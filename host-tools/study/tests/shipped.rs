@@ -1,0 +1,84 @@
+//! The shipped model on 12 configurations of the test set: a model that is worse fails.
+
+use std::path::Path;
+
+use capsule_core::Model;
+use capsule_database::Database;
+use capsule_study::{FRESH_TIMES, Fresh, fresh};
+
+/// Four at low Ca, four near the steady limit, four between.
+const CONFIGURATIONS: [&str; 12] = [
+    "ca0.00502_al1.1819",
+    "ca0.00609_al0.9613",
+    "ca0.00912_al0.8422",
+    "ca0.01655_al0.9525",
+    "ca0.05103_al1.1994",
+    "ca0.06986_al1.0979",
+    "ca0.10382_al0.9701",
+    "ca0.14869_al0.8597",
+    "ca0.05377_al0.8735",
+    "ca0.05599_al1.1468",
+    "ca0.06221_al1.0101",
+    "ca0.12974_al0.7544",
+];
+
+/// Greatest mean and greatest error, in per cent of a and in the laboratory frame, that are admitted at each of
+/// [`FRESH_TIMES`]: at most twice those of the shipped model.
+const DIRECT: [[f64; 2]; 6] = [
+    [0.02, 0.07],
+    [0.025, 0.05],
+    [0.03, 0.15],
+    [0.025, 0.12],
+    [0.03, 0.12],
+    [0.07, 0.21],
+];
+const PAPER: [[f64; 2]; 6] = [
+    [0.3, 0.8],
+    [0.27, 0.5],
+    [0.17, 0.35],
+    [0.14, 0.3],
+    [0.17, 0.5],
+    [0.55, 2.0],
+];
+
+fn compared() -> Fresh {
+    let fresh_set = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/fresh");
+    let directory = tempfile::tempdir().unwrap();
+    for name in CONFIGURATIONS.map(|name| format!("{name}.npz")) {
+        std::fs::copy(fresh_set.join(&name), directory.path().join(&name)).unwrap();
+    }
+    for name in ["database.json", "mesh.npz"] {
+        std::fs::copy(fresh_set.join(name), directory.path().join(name)).unwrap();
+    }
+    let tests = Database::open(directory.path()).unwrap();
+    let file = include_bytes!("../../../models/capsule.crom");
+    let model = Model::open(file).unwrap();
+    fresh(&model, &tests, None, &FRESH_TIMES, &|_, _, _| {}).unwrap()
+}
+
+#[test]
+fn errors_and_their_bounds_stay_as_good_as_they_are() {
+    let fresh = compared();
+    assert_eq!(fresh.samples, CONFIGURATIONS.len());
+    for (method, admitted) in [("direct", DIRECT), ("paper", PAPER)] {
+        let instants = &fresh.methods[method];
+        for (instant, [mean, max]) in instants.iter().zip(admitted) {
+            println!("{method}: {instant:?}");
+            assert!(
+                instant.lab_mean_percent < mean && instant.lab_max_percent < max,
+                "{method}: more than {mean} % in the mean or {max} %: {instant:?}"
+            );
+        }
+        // 95 % of the errors should be below their bound; of 72, two standard deviations of that are 5 %. A bound that
+        // is always far away is no bound either.
+        let stated = &fresh.stated[method];
+        println!("{method}: {stated:?}");
+        assert!(stated.below_bound_percent >= 90.0, "{method}: {stated:?}");
+        for (instant, errors) in stated.instants.iter().zip(instants) {
+            assert!(
+                instant.bound_mean_percent < 10.0 * errors.lab_mean_percent,
+                "{method}: the bound is far above the errors: {instant:?}, {errors:?}"
+            );
+        }
+    }
+}
