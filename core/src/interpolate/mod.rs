@@ -492,6 +492,38 @@ mod tests {
     }
 
     #[test]
+    fn rounding_is_taken_out_of_the_sum_of_weights_and_more_than_rounding_is_refused() {
+        fn normalised<T: Real>(values: [f64; 3]) -> Result<f64, EvaluateError> {
+            let mut weights = Weights::<T, N>::EMPTY;
+            weights.count = 3;
+            // Beyond the count lies what belongs to another query.
+            weights.values = [T::ONE; N];
+            weights.values[..3].copy_from_slice(&values.map(T::from_f64));
+            weights.normalise()?;
+            // The ratios stay.
+            assert!((weights.values[1].to_f64() / weights.values[0].to_f64() - values[1] / values[0]).abs() < 1e-6);
+            Ok(weights.iter().map(|(_, weight)| weight.to_f64()).sum())
+        }
+        for scale in [1.0 - 2e-4, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 1.0 + 2e-4] {
+            let sum = normalised::<f32>([0.6 * scale, -0.3 * scale, 0.7 * scale]).unwrap();
+            assert!((sum - 1.0).abs() < 2e-7, "{scale}: {sum}");
+        }
+        let sum = normalised::<f64>([0.6 + 1e-9, -0.3, 0.7]).unwrap();
+        assert!((sum - 1.0).abs() < 4e-16, "{sum}");
+        for far in [0.999, 1.001, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            let refused = normalised::<f32>([0.6 * far, -0.3, 0.7]);
+            assert!(
+                matches!(refused, Err(EvaluateError::Weights { .. })),
+                "{far}: {refused:?}"
+            );
+        }
+        let Err(EvaluateError::Weights { sum }) = normalised::<f64>([0.6, 0.3, 0.7]) else {
+            panic!("weights that sum to 1.6 were taken");
+        };
+        assert!((sum - 1.6).abs() < 1e-6, "{sum}");
+    }
+
+    #[test]
     fn the_kernel_returns_the_sample_itself_but_for_the_scatter() {
         let weights = weights::<f64>(true, 10, [0.03, 0.8], None);
         for (sample, weight) in weights.iter() {

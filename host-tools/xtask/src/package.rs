@@ -55,6 +55,9 @@ pub fn folder(target: &str) -> Result<PathBuf> {
     }
     copy(&header::path(), &folder.join("include/capsule.h"))?;
     copy(&source.join("README.md"), &folder.join("README.md"))?;
+    for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        copy(&root().join(licence), &folder.join(licence))?;
+    }
     copy(&root().join("models/capsule.crom"), &folder.join("models/capsule.crom"))?;
     for part in ["examples", "examples/cortex-m"] {
         for entry in fs::read_dir(source.join(part)).with_context(|| format!("core/capi/{part}"))? {
