@@ -17,17 +17,18 @@ const SMALLEST: &str = "-Oz --low-memory-unused --converge --const-hoisting --re
 /// Random queries of which a typical one's cost is the median.
 const QUERIES: usize = 1001;
 
-/// What is aimed at.
-const TARGETS: [(&str, u64); 8] = [
+/// The aims that are met, and must stay so.
+const LIMITS: [(&str, u64); 6] = [
     ("m4f_observables_instructions", 250_000),
     ("m4f_observables_greatest_instructions", 250_000),
     ("m4f_outline_instructions", 400_000),
     ("m4f_dynamics_instructions", 12_000_000),
     ("workspace_bytes", 32 << 10),
     ("stack_bytes", 4 << 10),
-    ("flash_bytes", 48 << 10),
-    ("wasm_bytes", 40_000),
 ];
+
+/// The aims that are not met: docs/embedded.md says why.
+const SHORTFALLS: [(&str, u64); 2] = [("flash_bytes", 48 << 10), ("wasm_bytes", 40_000)];
 
 #[derive(Default, clap::Args)]
 pub struct Options {
@@ -52,13 +53,17 @@ pub fn budgets(options: &Options) -> Result<()> {
         println!("{:#}", Value::Object(figures.clone()));
     } else {
         for (name, figure) in &figures {
-            let target = TARGETS.iter().find(|(of, _)| of == name);
-            let missed = |target: u64| figure.as_u64().is_some_and(|figure| figure > target);
-            let target = target.map_or(String::new(), |&(_, target)| {
-                format!("  (target {target}{})", if missed(target) { ", not met" } else { "" })
+            let aim = LIMITS.iter().chain(&SHORTFALLS).find(|(of, _)| of == name);
+            let missed = |aim: u64| figure.as_u64().is_some_and(|figure| figure > aim);
+            let aim = aim.map_or(String::new(), |&(_, aim)| {
+                format!("  (aim {aim}{})", if missed(aim) { ", not met" } else { "" })
             });
-            println!("{name:<36} {figure:>12}{target}");
+            println!("{name:<36} {figure:>12}{aim}");
         }
+    }
+    let beyond = beyond(&figures);
+    if !beyond.is_empty() {
+        bail!("beyond the limit:\n  {}", beyond.join("\n  "));
     }
     let compilers = compilers()?;
     if options.write {
@@ -67,11 +72,11 @@ pub fn budgets(options: &Options) -> Result<()> {
     }
     let record: Value = serde_json::from_str(&std::fs::read_to_string(record_path()).context("the record")?)?;
     if record["compilers"] != json!(compilers) {
-        eprintln!(
-            "recorded with {}, measured with {compilers}: not compared",
+        bail!(
+            "the figures were recorded with {}, and cannot be compared with those of \"{compilers}\": take the compilers of \
+             the record, or record new figures with `cargo xtask budgets --write`",
             record["compilers"]
         );
-        return Ok(());
     }
     let risen = risen(&record["figures"], &figures);
     if risen.is_empty() {
@@ -81,6 +86,23 @@ pub fn budgets(options: &Options) -> Result<()> {
         "risen by more than 2 % (`cargo xtask budgets --write` records new figures):\n  {}",
         risen.join("\n  ")
     )
+}
+
+/// Figures that are missing or more than their limit, with both numbers.
+fn beyond(figures: &Map<String, Value>) -> Vec<String> {
+    LIMITS
+        .iter()
+        .filter(|(name, limit)| {
+            figures
+                .get(*name)
+                .and_then(Value::as_u64)
+                .is_none_or(|figure| figure > *limit)
+        })
+        .map(|(name, limit)| {
+            let figure = figures.get(*name).map_or("nothing".to_owned(), Value::to_string);
+            format!("{name}: {limit} is the limit, {figure} measured")
+        })
+        .collect()
 }
 
 /// Figures that are more than what was recorded, with both numbers.
@@ -268,6 +290,22 @@ mod tests {
         let sizes = "a.elf  :\nsection  size  addr\n.text.hot  7  0\n.text  4100  0\n.rodata  52  4100\nTotal  4152\n";
         let found = [".text", ".rodata", ".data"].map(|section| bytes_of(sizes, section));
         assert_eq!(found, [Some(4100), Some(52), None]);
+    }
+
+    #[test]
+    fn a_figure_beyond_its_limit_is_told_and_so_is_one_that_is_missing() {
+        let mut figures: Map<String, Value> = LIMITS
+            .iter()
+            .map(|&(name, limit)| (name.into(), limit.into()))
+            .collect();
+        assert!(beyond(&figures).is_empty());
+        figures.insert("stack_bytes".into(), 4097.into());
+        figures.remove("workspace_bytes");
+        let told = [
+            "workspace_bytes: 32768 is the limit, nothing measured",
+            "stack_bytes: 4096 is the limit, 4097 measured",
+        ];
+        assert_eq!(beyond(&figures), told);
     }
 
     #[test]
