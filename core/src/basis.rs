@@ -2,11 +2,11 @@
 //!
 //! The global modes are orthonormal, so the POD of the N_x-sized pseudo-snapshots is the POD of their coefficients: the
 //! local modes are Phi W. The translation stays its own coordinate: the first local mode is the translation, the others
-//! are the leading left singular vectors of the shape's coefficients. The snapshots of one query fill few directions. So
-//! reflections turn them, the longest rest first, until what is left of all is negligible (a pivoted LQ factorisation, in
-//! place); a triangular factor gathers the few coordinates that remain; and rotations make its rows orthogonal. It is an upper
-//! one: its rows become shorter as the coordinates do, and few rotations are left to do. Nothing is squared on the way: the
-//! condition stays that of the snapshots.
+//! are the leading left singular vectors of the shape's coefficients. The snapshots of one query fill few directions.
+//! So reflections turn them, the longest rest first, until what is left of all is negligible (a pivoted LQ
+//! factorisation, in place); a triangular factor gathers the few coordinates that remain; and rotations make its rows
+//! orthogonal. It is an upper one: its rows become shorter as the coordinates do, and few rotations are left to do.
+//! Nothing is squared on the way: the condition stays that of the snapshots.
 
 use crate::Real;
 use crate::linalg::{LANES, add_scaled, dot, jacobi, part, part_mut};
@@ -20,8 +20,8 @@ pub(crate) struct Basis<T, const M: usize> {
     rows: [[T; PAPER_ROW]; M],
 }
 
-/// What may be left of a snapshot, as a share of the longest: below the error of the method by far, and above the digits
-/// in which the model is stored.
+/// What may be left of a snapshot, as a share of the longest: below the error of the method by far, and above the
+/// digits in which the model is stored.
 const NEGLIGIBLE: f32 = 1e-4;
 
 /// How far a basis is learned.
@@ -32,8 +32,8 @@ pub(crate) enum Learning<T> {
     /// The direction to find next. Rows from `done` to before `open` have more left than `floor`, the square of what is
     /// negligible.
     Direction { done: usize, open: usize, floor: T },
-    /// The row to add to the factor of the first `rank` columns next. The factor lies in as many rows behind those of the
-    /// reflections, which come last.
+    /// The row to add to the factor of the first `rank` columns next. The factor lies in as many rows behind those of
+    /// the reflections, which come last.
     Gathering { rank: usize, row: usize },
     /// The rotations of that factor.
     Rotations {
@@ -54,10 +54,10 @@ impl<T: Real, const M: usize> Basis<T, M> {
         rows: [[T::ZERO; PAPER_ROW]; M],
     };
 
-    /// A piece of the work of finding a field's basis from its snapshots at all stored instants: one snapshot, one direction,
-    /// one row of their factor or one mode. Returns none when nothing is left to do. `snapshot` gives the `rank` coefficients at a
-    /// stored instant. `factor` is room for the snapshots, left alone between the pieces. The local rank is at most `wanted`,
-    /// and less where the snapshots have no more.
+    /// A piece of the work of finding a field's basis from its snapshots at all stored instants: one snapshot, one
+    /// direction, one row of their factor or one mode. Returns none when nothing is left to do. `snapshot` gives the
+    /// `rank` coefficients at a stored instant. `factor` is room for the snapshots, left alone between the pieces. The
+    /// local rank is at most `wanted`, and less where the snapshots have no more.
     pub(crate) fn learn(
         &mut self,
         learning: &mut Learning<T>,
@@ -195,14 +195,15 @@ impl<T: Real, const M: usize> Basis<T, M> {
     }
 }
 
-/// The end of a range of columns that fills the lanes of a product: zeros follow the columns that count, and a rest that
-/// does not fill them costs more than they do.
+/// The end of a range of columns that fills the lanes of a product: zeros follow the columns that count, and a rest
+/// that does not fill them costs more than they do.
 fn whole(start: usize, end: usize) -> usize {
     (start + (end - start).next_multiple_of(LANES)).min(PAPER_ROW)
 }
 
 /// Sorts rows by the length of what these columns have, as far as it matters: the longest goes first, and those with a
-/// square of at most `floor`, whose rest becomes 0, go last. Returns how many are before these, and the greatest square.
+/// square of at most `floor`, whose rest becomes 0, go last. Returns how many are before these, and the greatest
+/// square.
 #[inline(never)]
 fn sort<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>, floor: T) -> (usize, T) {
     let (mut open, mut longest, mut place) = (rows.len(), T::ZERO, 0);
@@ -231,8 +232,8 @@ fn swap<R>(rows: &mut [R], i: usize, j: usize) {
     }
 }
 
-/// Reflects rows so that the first has a single entry in these columns, and leaves the direction of the reflection, whose
-/// first component is 1, in its place.
+/// Reflects rows so that the first has a single entry in these columns, and leaves the direction of the reflection,
+/// whose first component is 1, in its place.
 #[inline(never)]
 fn reflect<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>) {
     let Some((first, others)) = rows.split_first_mut() else {
@@ -291,8 +292,8 @@ fn take_longest<T: Real>(rows: &mut [[T; PAPER_ROW]], out: &mut [T]) -> Option<T
     Some(length)
 }
 
-/// Rotates a snapshot into the upper triangular factor of those before it (Givens rotations); what is left of it continues
-/// the factor, if that has fewer rows.
+/// Rotates a snapshot into the upper triangular factor of those before it (Givens rotations); what is left of it
+/// continues the factor, if that has fewer rows.
 fn absorb<T: Real>(factor: &mut [[T; PAPER_ROW]], snapshot: &mut [T]) {
     let end = snapshot.len();
     for (k, row) in factor.iter_mut().enumerate() {

@@ -13,7 +13,8 @@ use crate::workspace::{Factor, PAPER_ROW, Parts};
 use crate::{Real, Scheme};
 use core::mem::offset_of;
 
-/// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1, and errs little far below.
+/// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1, and errs little
+/// far below.
 const STABLE: f32 = 0.25;
 /// The most parts of a step.
 const MOST_PARTS: usize = 64;

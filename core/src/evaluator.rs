@@ -38,7 +38,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// Binds a model to a workspace.
     ///
     /// # Errors
-    /// [`EvaluateError::Capacity`] if the model does not fit; whether it does for [`Method::Paper`] is asked when that is.
+    /// [`EvaluateError::Capacity`] if the model does not fit; whether it does for [`Method::Paper`] is asked when that
+    /// is.
     pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N, S>) -> Result<Self, EvaluateError> {
         let contents = model.contents();
         for cluster in &contents.clusters {
@@ -77,7 +78,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     ///
     /// # Errors
     /// Parameters that are not as many as the model's or not finite (Ca and a/l: not positive), or outside the domain
-    /// without `extrapolate`; a step that is not in its range; [`Method::Paper`] in a workspace that is too small for it.
+    /// without `extrapolate`; a step that is not in its range; [`Method::Paper`] in a workspace that is too small for
+    /// it.
     pub fn prepare(&mut self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         let digest = self.model.digest();
         if let Some(prepared) = &self.workspace.prepared
@@ -204,10 +206,10 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         })
     }
 
-    /// Positions of all nodes, in l, at the instant `t` of the prepared query, into the first entries of `out`; returns how
-    /// many there are. For frames that follow each other: `playback` keeps what the next one needs, and the first one takes as
-    /// long as two groups of four surfaces. The numbers are those of [`Instant::positions`] but for rounding, as they are
-    /// added in another order. [`Method::Paper`] has no such short way and goes to the instant.
+    /// Positions of all nodes, in l, at the instant `t` of the prepared query, into the first entries of `out`; returns
+    /// how many there are. For frames that follow each other: `playback` keeps what the next one needs, and the first
+    /// one takes as long as two groups of four surfaces. The numbers are those of [`Instant::positions`] but for
+    /// rounding, as they are added in another order. [`Method::Paper`] has no such short way and goes to the instant.
     ///
     /// # Errors
     /// As [`at`](Self::at) and [`Instant::positions`]; room that is too short.
@@ -267,8 +269,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     }
 
     /// Does at most `pieces` pieces of the work that everything at this instant waits for, and returns whether it is
-    /// done: for callers who must not be kept. A piece is a snapshot, a row or a mode of a local basis, or a step in time of
-    /// [`Method::Paper`]; [`Method::Direct`] has no such work. Another instant may be asked for in between.
+    /// done: for callers who must not be kept. A piece is a snapshot, a row or a mode of a local basis, or a step in
+    /// time of [`Method::Paper`]; [`Method::Direct`] has no such work. Another instant may be asked for in between.
     pub fn advance(&mut self, pieces: usize) -> bool {
         let (t, step) = (self.t, self.step());
         match self.query.method {

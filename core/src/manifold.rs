@@ -2,8 +2,8 @@
 //!
 //! A first-order fit on the few snapshots near t has fewer snapshots than unknowns, so the normal equations of eq. (45)
 //! are singular. The least-norm solution is taken instead, from the dual system of the snapshots, with the regressors
-//! scaled by the window's weights and a constant that costs nothing: in raw monomials it competes with the translation and
-//! the solution drifts. The translation has a scale of its own; the shape's coordinates share one, because they are
+//! scaled by the window's weights and a constant that costs nothing: in raw monomials it competes with the translation
+//! and the solution drifts. The translation has a scale of its own; the shape's coordinates share one, because they are
 //! orthonormal: scaled one by one, the smallest modes, which hardly move, would steer the others and the state blows
 //! up. Where the shape rests, its rest is not amplified either: a state that is a little off stays where it is.
 
@@ -14,7 +14,8 @@ use crate::model::MatrixView;
 use crate::workspace::Parts;
 use core::mem::offset_of;
 
-/// Snapshots of a window: two on each side of an instant. The paper's R, twice their interval, holds no more of equal ones.
+/// Snapshots of a window: two on each side of an instant. The paper's R, twice their interval, holds no more of equal
+/// ones.
 const NEAR: usize = 4;
 /// Those of them that are seen from the first, at the start of the interval: at its end, after it, and before it.
 const OTHERS: usize = NEAR - 1;
@@ -79,8 +80,8 @@ impl<T: Real, const M: usize> Snapshot<T, M> {
     };
 }
 
-/// What of the fit does not change within an interval of the stored instants: the snapshots around it, as differences from
-/// that at its start. Products are those of shapes.
+/// What of the fit does not change within an interval of the stored instants: the snapshots around it, as differences
+/// from that at its start. Products are those of shapes.
 #[derive(Clone, Debug)]
 struct Window<T, const M: usize> {
     /// Instants for which it is the same: from the first to before the second.
@@ -123,8 +124,8 @@ impl<T: Real, const M: usize> Window<T, M> {
         stiffness: T::ZERO,
     };
 
-    /// Finds the interval that holds `t`, with R = `width` times its length. Returns the instants of the snapshots, which
-    /// may lie beyond the last one.
+    /// Finds the interval that holds `t`, with R = `width` times its length. Returns the instants of the snapshots,
+    /// which may lie beyond the last one.
     fn find(&mut self, times: &Times<'_>, width: T, t: T) -> [usize; NEAR] {
         let last = times.count() - 1;
         self.interval = times.interval(t);
@@ -261,10 +262,10 @@ impl<T: Real, const M: usize> Manifold<T, M> {
 
     /// d alpha / dt = Q M(alpha, t), for an Euler step of a length from there.
     ///
-    /// The manifold is a line through a few snapshots that follow each other. Where these drift apart from their mean it
-    /// amplifies whatever deviates from them, without bound. So the response to the deviation of the state from
-    /// the learned trajectory counts only as far as the step does not enlarge the deviation: then what a step errs is
-    /// added to the errors before it, and never multiplied.
+    /// The manifold is a line through a few snapshots that follow each other. Where these drift apart from their mean
+    /// it amplifies whatever deviates from them, without bound. So the response to the deviation of the state from the
+    /// learned trajectory counts only as far as the step does not enlarge the deviation: then what a step errs is added
+    /// to the errors before it, and never multiplied.
     pub(crate) fn rate(&self, t: T, step: T, alpha: &[T; M]) -> [T; M] {
         let shares = self.shares(t, step, alpha);
         let mut rate = self.first().rate;
@@ -328,15 +329,15 @@ impl<T: Real, const M: usize> Manifold<T, M> {
 }
 
 impl<T: Real, const M: usize> Window<T, M> {
-    /// The weighted least-norm first-order fit at `t`: the shares of the differences in the fitted value at a place, and
-    /// in what the fit adds for a deviation. `sides` gives the products of both with the differences; `shifts` are their
-    /// translations.
+    /// The weighted least-norm first-order fit at `t`: the shares of the differences in the fitted value at a place,
+    /// and in what the fit adds for a deviation. `sides` gives the products of both with the differences; `shifts` are
+    /// their translations.
     ///
     /// With the products K of the scaled differences, their products k with what is asked for, and the weights W on a
-    /// diagonal, the shares s of all snapshots are those of (K + ridge / W) s + mu = k with a sum of 1 at a place and of 0
-    /// for a deviation: the dual system of eq. (45), the constant not damped. The first snapshot's own difference is 0,
-    /// so that its equation gives mu. Written out: optimised for size, a map over three numbers is a loop that keeps them in
-    /// memory.
+    /// diagonal, the shares s of all snapshots are those of (K + ridge / W) s + mu = k with a sum of 1 at a place and
+    /// of 0 for a deviation: the dual system of eq. (45), the constant not damped. The first snapshot's own difference
+    /// is 0, so that its equation gives mu. Written out: optimised for size, a map over three numbers is a loop that
+    /// keeps them in memory.
     fn fit(&self, t: T, [place, deviation]: [[T; OTHERS]; 2], [way, aside]: [T; 2]) -> [[T; OTHERS]; 2] {
         let weight = |time| weight((t - time).abs() / self.radius);
         let [first, p, q, r] = self.times.map(weight);

@@ -1,7 +1,7 @@
 //! One query's motion: the double POD with the parameters already contracted, at any instant.
 //!
-//! The core's slices times psi (eqs. 23 and 24) are the controls of cubic splines in time. Four of them make an instant, and
-//! they are kept, so that an instant beside it costs four multiplications a coefficient.
+//! The core's slices times psi (eqs. 23 and 24) are the controls of cubic splines in time. Four of them make an
+//! instant, and they are kept, so that an instant beside it costs four multiplications a coefficient.
 
 use crate::Real;
 use crate::interpolate::Weights;
@@ -66,7 +66,8 @@ impl<T: Real, const K: usize> Contracted<T, K> {
         parts.put(at + offset_of!(Self, span), None::<usize>);
     }
 
-    /// Takes the weights of a query, with which the translation's modes are contracted at once, for everything needs them.
+    /// Takes the weights of a query, with which the translation's modes are contracted at once, for everything needs
+    /// them.
     pub(crate) fn enter<const N: usize>(&mut self, field: &Field<'_>, weights: &Weights<T, N>) {
         self.span = None;
         let modes = MatrixView::new(&field.axial_modes);
@@ -217,8 +218,9 @@ fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out
     }
 }
 
-/// How many of the leading coefficients leave no more than a length of the others: the modes are orthonormal, so what is
-/// left out moves the nodes by that length divided by sqrt(N_x), root mean square. A multiple of eight, if there are as many.
+/// How many of the leading coefficients leave no more than a length of the others: the modes are orthonormal, so what
+/// is left out moves the nodes by that length divided by sqrt(N_x), root mean square. A multiple of eight, if there are
+/// as many.
 pub(crate) fn leading<T: Real>(coefficients: &[T], length: T) -> usize {
     const STEP: usize = 8;
     let mut budget = length * length;

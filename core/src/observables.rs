@@ -6,10 +6,10 @@ use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
 use crate::reconstruct::{Plane, Snapshot};
 
 /// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are from the two section
-/// outlines; extremes are those of the parabola through the extreme node of an outline and its two neighbours, the nodes
-/// taken as equidistant. A model without outlines has the extents of its nodes: half the extent along y for the half width, half
-/// the extent along the direction y = z for the half diagonal, and for the rear pole the point at which the parallel to
-/// the axis through the middle of the extents enters the surface.
+/// outlines; extremes are those of the parabola through the extreme node of an outline and its two neighbours, the
+/// nodes taken as equidistant. A model without outlines has the extents of its nodes: half the extent along y for the
+/// half width, half the extent along the direction y = z for the half diagonal, and for the rear pole the point at
+/// which the parallel to the axis through the middle of the extents enters the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observables<T> {
     /// max x - min x over both outlines.
@@ -49,8 +49,8 @@ impl<T: Real> Lengths<T> {
         Self::between(axial, half_width, half_diagonal)
     }
 
-    /// From the foremost place on the axis, the rearmost one and the rear pole. Between places that are finite it may be
-    /// farther than a number says.
+    /// From the foremost place on the axis, the rearmost one and the rear pole. Between places that are finite it may
+    /// be farther than a number says.
     #[inline(never)]
     fn between([front, rear, rear_pole]: [T; 3], half_width: T, half_diagonal: T) -> Result<Self, EvaluateError> {
         let (axial_length, rear_depth) = (front - rear, rear_pole - rear);

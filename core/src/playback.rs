@@ -1,8 +1,8 @@
 //! Frames of one motion, one after the other.
 //!
-//! Between knots the surface is a combination of four surfaces, those of the controls that are not zero there: a frame costs
-//! four multiplications a number, whatever the number of modes. The surfaces of four successive controls are computed
-//! together, when the first of them is needed, and two such groups hold all that an instant needs.
+//! Between knots the surface is a combination of four surfaces, those of the controls that are not zero there: a frame
+//! costs four multiplications a number, whatever the number of modes. The surfaces of four successive controls are
+//! computed together, when the first of them is needed, and two such groups hold all that an instant needs.
 
 use crate::Real;
 use crate::error::EvaluateError;
@@ -18,8 +18,8 @@ const GROUPS: usize = 2;
 /// Surfaces that are kept: those of the controls.
 const SURFACES: usize = GROUPS * ORDER;
 
-/// What is kept from frame to frame for [`Evaluator::frame`](crate::Evaluator::frame), in storage of the caller's: an array, a
-/// slice, a vector.
+/// What is kept from frame to frame for [`Evaluator::frame`](crate::Evaluator::frame), in storage of the caller's: an
+/// array, a slice, a vector.
 #[derive(Clone, Debug)]
 pub struct Playback<T, R> {
     room: R,
@@ -177,7 +177,8 @@ fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], trans
     )
 }
 
-/// Carries the sector's nodes to all nodes. `sector` holds x, y, z, -y and -z, so that an operation is a choice of two of them.
+/// Carries the sector's nodes to all nodes. `sector` holds x, y, z, -y and -z, so that an operation is a choice of two
+/// of them.
 fn mirror<T: Real>(mesh: &Mesh<'_>, sector: &[T], out: &mut [[T; 3]]) {
     let stride = LANES * mesh.panels();
     let values = |place: usize| part(sector, stride * place..stride * (place + 1));

@@ -4,8 +4,8 @@ use crate::Real;
 use crate::model::wire::Parameter;
 pub use crate::model::wire::{MAX_PARAMETERS, Method};
 
-/// The parameters of a query or of a sample, in the order of the model's: (Ca, a/l) for a capsule in the channel, one to
-/// [`MAX_PARAMETERS`] numbers of other meaning for other models.
+/// The parameters of a query or of a sample, in the order of the model's: (Ca, a/l) for a capsule in the channel, one
+/// to [`MAX_PARAMETERS`] numbers of other meaning for other models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters<T> {
     values: [T; MAX_PARAMETERS],

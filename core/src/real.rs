@@ -7,8 +7,8 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A floating-point scalar: `f32` or `f64`.
 ///
-/// Products with stored integers are sums of whole numbers, which are exact, so that no order of them gives other bits, and
-/// take a microcontroller a quarter as long.
+/// Products with stored integers are sums of whole numbers, which are exact, so that no order of them gives other bits,
+/// and take a microcontroller a quarter as long.
 pub trait Real:
     Copy
     + Debug
@@ -48,8 +48,8 @@ pub trait Real:
     fn pair(first: Self, second: Self) -> Self::Pair;
     /// The nearest number to a whole.
     fn from_whole(whole: Self::Whole) -> Self;
-    /// The sums of two rows and their products with a pair of factors: `entries` are those of the first column, then those of
-    /// the second.
+    /// The sums of two rows and their products with a pair of factors: `entries` are those of the first column, then
+    /// those of the second.
     fn add_products(sums: [Self::Whole; 2], entries: [u8; 4], pair: Self::Pair) -> [Self::Whole; 2];
     /// products <- panels times some vectors, each in its unit.
     #[inline(always)]

@@ -5,8 +5,8 @@ use crate::linalg::{IN_PAIRS, LANES};
 use crate::model::{DIAGONAL, Factors, MIDPLANE, MatrixView, Mesh, Model, apply};
 use crate::{Nodes, Real};
 
-/// A field: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation; or `B` of them, which share
-/// one pass over the modes.
+/// A field: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation; or `B` of them, which
+/// share one pass over the modes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Snapshot<'a, 's, T: Real, const B: usize = 1> {
     pub(crate) mesh: Mesh<'a>,

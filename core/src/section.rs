@@ -8,9 +8,9 @@ use crate::model::Mesh;
 /// to the second, seen from the front (from larger x).
 pub type Segment<T> = [[T; 2]; 2];
 
-/// Cuts a surface by the plane at `x`, element by element as four flat triangles (or one), into the first entries of `out`;
-/// returns how many segments there are, at most four an element. They form closed curves, in no order; a shared point
-/// has the same bits in both its segments. `positions` are those of all nodes.
+/// Cuts a surface by the plane at `x`, element by element as four flat triangles (or one), into the first entries of
+/// `out`; returns how many segments there are, at most four an element. They form closed curves, in no order; a shared
+/// point has the same bits in both its segments. `positions` are those of all nodes.
 ///
 /// # Errors
 /// [`EvaluateError::BufferTooShort`] for `positions`, or for `out` with the number of segments needed.

@@ -4,8 +4,8 @@ use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
 
-/// The quadrature of degree 4 with six points (Dunavant, 1985): two barycentric weights of a point, the third, and its own
-/// weight for the unit triangle of area 1/2; three points each.
+/// The quadrature of degree 4 with six points (Dunavant, 1985): two barycentric weights of a point, the third, and its
+/// own weight for the unit triangle of area 1/2; three points each.
 const QUADRATURE: [[f64; 3]; 2] = [
     [
         0.445_948_490_915_965,
@@ -143,8 +143,8 @@ pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
 /// What is done at an element, given its nodes and quadrature points.
 type Visit<'v, T> = dyn FnMut([u16; 6], &[Point<T>; 6]) -> Result<(), EvaluateError> + 'v;
 
-/// Visits the elements; where the mesh is symmetric to y = 0 and z = 0, those of a quarter. Returns how often they make up
-/// the surface.
+/// Visits the elements; where the mesh is symmetric to y = 0 and z = 0, those of a quarter. Returns how often they make
+/// up the surface.
 fn visit<T: Real>(mesh: &Mesh<'_>, visit: &mut Visit<'_, T>) -> Result<T, EvaluateError> {
     let points = Point::all(mesh.element_nodes() == 3);
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));

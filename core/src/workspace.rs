@@ -12,8 +12,8 @@ use core::mem::offset_of;
 /// Storage for one query at a time; const-constructible, so that it can be a `static`. It keeps what was computed, so
 /// that nothing is computed twice as long as the query stays.
 ///
-/// Capacities: `K` modes (K, translation included, and K_c), at most 256, `M` local modes (m_u, m_v), `N` samples that take part
-/// in a query, and `S` numbers of scratch: at least [`scratch`] of `M` and `N`. With `M` = 0
+/// Capacities: `K` modes (K, translation included, and K_c), at most 256, `M` local modes (m_u, m_v), `N` samples that
+/// take part in a query, and `S` numbers of scratch: at least [`scratch`] of `M` and `N`. With `M` = 0
 /// [`Method::Paper`](crate::Method::Paper) is refused, and neither its storage nor its code is there:
 ///
 /// ```
@@ -52,15 +52,16 @@ pub trait Parts {
     fn put<P>(&mut self, offset: usize, part: P);
 }
 
-/// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its error,
-/// and would take part in the few local modes.
+/// Leading coefficients, the translation's among them, that the paper's method works in. Those beyond are below its
+/// error, and would take part in the few local modes.
 pub(crate) const PAPER_MODES: usize = 41;
 /// Room for them, and for zeros that fill the lanes of a product from any of them on.
 pub(crate) const PAPER_ROW: usize = PAPER_MODES + LANES - 1;
 /// Snapshots that there is room for.
 pub(crate) const SNAPSHOTS: usize = 64;
 
-/// The most modes: twice as many digits, each at most 128 times the greatest factor of singles, 32,767, are a sum below 2^31.
+/// The most modes: twice as many digits, each at most 128 times the greatest factor of singles, 32,767, are a sum below
+/// 2^31.
 const MOST_MODES: usize = 256;
 
 /// Numbers of scratch that a [`Workspace`] of `M` local modes and `N` samples needs.

@@ -1,4 +1,5 @@
-//! Where the promises end: the smallest workspaces, models just over them, single precision where it is worst conditioned.
+//! Where the promises end: the smallest workspaces, models just over them, single precision where it is worst
+//! conditioned.
 
 mod common;
 
@@ -119,7 +120,8 @@ fn without_local_modes_the_direct_method_answers_as_ever_and_the_other_is_refuse
     lacks::<15, 0, 15>("local displacement modes", &modest(|c| c.paper.displacement_rank = 1));
 }
 
-/// Two samples of a family, closer and closer to each other, and a query between them: the greatest error of a position.
+/// Two samples of a family, closer and closer to each other, and a query between them: the greatest error of a
+/// position.
 fn error_at_distance<T: Real>(apart: f64) -> Result<f64, String> {
     let mut family = Family::new(2);
     let at = family
@@ -170,8 +172,9 @@ fn samples_close_to_each_other() {
     assert!(error_at_distance::<f64>(1e-9).is_err());
 }
 
-/// The weights grow with the distance from the samples, and rounding with them. Where the direct method answers it follows
-/// the family, which is linear in Ca; farther out a query is refused. The line goes through two answers within the range.
+/// The weights grow with the distance from the samples, and rounding with them. Where the direct method answers it
+/// follows the family, which is linear in Ca; farther out a query is refused. The line goes through two answers within
+/// the range.
 #[test]
 fn extrapolation_that_goes_too_far() {
     let file = Family::new(2).file();

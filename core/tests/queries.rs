@@ -202,8 +202,8 @@ proptest! {
     }
 }
 
-/// A mode that grows: forward Euler along the learned law (1 + 1.5 h)^n falls behind exp(1.5 t) by a third. Deviations that
-/// are only added up leave 1.5 h / 2.
+/// A mode that grows: forward Euler along the learned law (1 + 1.5 h)^n falls behind exp(1.5 t) by a third. Deviations
+/// that are only added up leave 1.5 h / 2.
 #[test]
 fn the_papers_steps_do_not_amplify_deviations() {
     let mut family = Family::new(2);

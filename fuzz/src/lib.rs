@@ -1,5 +1,5 @@
-//! What the fuzz targets do with bytes, so that a test can do it too; and what they share: a small model, numbers near and
-//! far from its ranges, and what must be true of answers.
+//! What the fuzz targets do with bytes, so that a test can do it too; and what they share: a small model, numbers near
+//! and far from its ranges, and what must be true of answers.
 
 mod calls;
 mod model;

@@ -1,5 +1,5 @@
-//! The seeds of every target, and some thousand inputs that differ from one of them by a few bytes: always the same ones,
-//! so that what fails here fails again.
+//! The seeds of every target, and some thousand inputs that differ from one of them by a few bytes: always the same
+//! ones, so that what fails here fails again.
 
 use std::fs;
 

@@ -1,5 +1,5 @@
-//! Writes memory.x for the linker, from mps2.x, and tells the compiler which model to put into the board's memory: the file
-//! that the environment variable CAPSULE_MODEL names, or the shipped one.
+//! Writes memory.x for the linker, from mps2.x, and tells the compiler which model to put into the board's memory: the
+//! file that the environment variable CAPSULE_MODEL names, or the shipped one.
 
 use std::env;
 use std::path::PathBuf;

@@ -85,8 +85,8 @@ enum capsule_status
   CAPSULE_STATUS_MISALIGNED = 2,
   // A buffer is too short: `found` entries or bytes, `least` are needed.
   CAPSULE_STATUS_SHORT = 3,
-  // Two of the pointers point to the same memory, one to write to points into the model's file, or a buffer goes beyond the
-  // end of memory.
+  // Two of the pointers point to the same memory, one to write to points into the model's file, or a buffer goes
+  // beyond the end of memory.
   CAPSULE_STATUS_OVERLAP = 4,
   // The model was not opened.
   CAPSULE_STATUS_NO_MODEL = 5,
@@ -376,9 +376,9 @@ capsule_status capsule_v1_prepare(const struct capsule_model *model,
                                   struct capsule_error *error);
 
 // Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
-// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot, a row or a mode of a local basis, or
-// a step in time, of the paper's method; the direct method has no such work. What is asked at an instant does what is
-// left of it.
+// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot, a row or a mode of a local
+// basis, or a step in time, of the paper's method; the direct method has no such work. What is asked at an instant
+// does what is left of it.
 capsule_status capsule_v1_advance(const struct capsule_model *model,
                                   struct capsule_workspace *workspace,
                                   float t,
@@ -425,8 +425,9 @@ capsule_status capsule_v1_volume_at(const struct capsule_model *model,
                                     float *volume,
                                     struct capsule_error *error);
 
-// An outline (a `capsule_outline`) at the instant `t` in a frame (a `capsule_frame`): points x, r, x, r, ... in l, from
-// the front pole to the rear pole. `points` has room for `capacity` numbers; `count` is set to how many were written.
+// An outline (a `capsule_outline`) at the instant `t` in a frame (a `capsule_frame`): points x, r, x, r, ... in l,
+// from the front pole to the rear pole. `points` has room for `capacity` numbers; `count` is set to how many were
+// written.
 capsule_status capsule_v1_outline_at(const struct capsule_model *model,
                                      struct capsule_workspace *workspace,
                                      float t,

@@ -33,13 +33,14 @@ pub(crate) trait Reason {
 }
 
 impl Error {
-    /// The outcome of a part of a call; why it failed is written here. So a call hands on that it failed, and not each time
-    /// the forty bytes of why.
+    /// The outcome of a part of a call; why it failed is written here. So a call hands on that it failed, and not each
+    /// time the forty bytes of why.
     pub(crate) fn of<A, R: Reason>(&mut self, outcome: Result<A, R>) -> Result<A, Failed> {
         outcome.map_err(|reason| reason.tell(self))
     }
 
-    /// A failure with counts: what was found, the least and the greatest that would be right. They are exact below 2^32.
+    /// A failure with counts: what was found, the least and the greatest that would be right. They are exact below
+    /// 2^32.
     #[inline(never)]
     pub(crate) fn counts(
         &mut self,

@@ -247,9 +247,9 @@ pub unsafe extern "C" fn capsule_v1_prepare(
 }
 
 /// Does at most `pieces` pieces of the work that everything at the instant `t` waits for, and sets `done` to 1 when
-/// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot, a row or a mode of a local basis, or
-/// a step in time, of the paper's method; the direct method has no such work. What is asked at an instant does what is
-/// left of it.
+/// nothing is left, else to 0: for callers who must not be kept long. A piece is a snapshot, a row or a mode of a local
+/// basis, or a step in time, of the paper's method; the direct method has no such work. What is asked at an instant
+/// does what is left of it.
 ///
 /// # Safety
 /// See [`functions`](self).
@@ -369,8 +369,9 @@ pub unsafe extern "C" fn capsule_v1_volume_at(
     unsafe { number(model, workspace, t, volume, error, |instant| instant.volume()) }
 }
 
-/// An outline (a `capsule_outline`) at the instant `t` in a frame (a `capsule_frame`): points x, r, x, r, ... in l, from
-/// the front pole to the rear pole. `points` has room for `capacity` numbers; `count` is set to how many were written.
+/// An outline (a `capsule_outline`) at the instant `t` in a frame (a `capsule_frame`): points x, r, x, r, ... in l,
+/// from the front pole to the rear pole. `points` has room for `capacity` numbers; `count` is set to how many were
+/// written.
 ///
 /// # Safety
 /// See [`functions`](self).

@@ -163,14 +163,15 @@ impl<T> Place<T> {
     /// Its memory, which may hold anything.
     ///
     /// # Safety
-    /// [`check`] has passed it with the others of the call. The caller of the interface promised that nobody else uses the
-    /// memory.
+    /// [`check`] has passed it with the others of the call. The caller of the interface promised that nobody else uses
+    /// the memory.
     pub(crate) unsafe fn memory<'a>(self) -> &'a mut MaybeUninit<T> {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
         unsafe { &mut *self.0.cast::<MaybeUninit<T>>() }
     }
 
-    /// Its memory, set to zeros. In words of four bytes: for those of eight a microcontroller would link another function.
+    /// Its memory, set to zeros. In words of four bytes: for those of eight a microcontroller would link another
+    /// function.
     ///
     /// # Safety
     /// As [`memory`](Self::memory). `T` is valid with zeros, and as large as some words.
@@ -225,9 +226,9 @@ impl<T> Buffer<T> {
     /// The memory, to write values into. What was in it is not known.
     ///
     /// # Safety
-    /// [`check`] has passed the buffer with the others of the call. The caller of the interface promised that nobody else
-    /// uses the memory. `T` is valid with every pattern of bits: memory that comes from C holds one, which nobody reads
-    /// before it is written.
+    /// [`check`] has passed the buffer with the others of the call. The caller of the interface promised that nobody
+    /// else uses the memory. `T` is valid with every pattern of bits: memory that comes from C holds one, which nobody
+    /// reads before it is written.
     pub(crate) unsafe fn room<'a>(self) -> &'a mut [T] {
         // SAFETY: aligned, not null, in bounds; the rest is promised.
         unsafe { slice::from_raw_parts_mut(self.first.0, self.count) }

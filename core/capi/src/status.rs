@@ -14,8 +14,8 @@ pub enum Status {
     Misaligned = 2,
     /// A buffer is too short: `found` entries or bytes, `least` are needed.
     Short = 3,
-    /// Two of the pointers point to the same memory, one to write to points into the model's file, or a buffer goes beyond the
-    /// end of memory.
+    /// Two of the pointers point to the same memory, one to write to points into the model's file, or a buffer goes
+    /// beyond the end of memory.
     Overlap = 4,
     /// The model was not opened.
     NoModel = 5,

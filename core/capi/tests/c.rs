@@ -1,6 +1,6 @@
-//! The archives of `cargo xtask package`, used as a C programmer would: every example is built by gcc and by clang, runs
-//! under valgrind and under sanitizers, and says the same on an emulated Cortex-M4F, M7 and M33. The folders of the
-//! archives are in the environment variables CAPSULE_HOST_PACKAGE, CAPSULE_CORTEX_M_PACKAGE and
+//! The archives of `cargo xtask package`, used as a C programmer would: every example is built by gcc and by clang,
+//! runs under valgrind and under sanitizers, and says the same on an emulated Cortex-M4F, M7 and M33. The folders of
+//! the archives are in the environment variables CAPSULE_HOST_PACKAGE, CAPSULE_CORTEX_M_PACKAGE and
 //! CAPSULE_CORTEX_M33_PACKAGE: `cargo xtask test --only c`.
 
 #[path = "../../tests/common/mod.rs"]

@@ -19,8 +19,8 @@ pub fn sqrt(x: f32) -> f32 {
     root(x)
 }
 
-/// The argument comes in the register of the result. (A function of its own, because the compiler takes no operands of the
-/// floating-point unit here.)
+/// The argument comes in the register of the result. (A function of its own, because the compiler takes no operands of
+/// the floating-point unit here.)
 #[cfg(all(vsqrt, target_abi = "eabihf"))]
 #[unsafe(naked)]
 extern "C" fn root(x: f32) -> f32 {
@@ -43,8 +43,8 @@ fn root(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
-/// sums <- sums + entries times factors, for two rows of two columns: `entries` are those of the first column, then those of
-/// the second. The factors are the low and the high half of `pair`. Sums that overflow wrap.
+/// sums <- sums + entries times factors, for two rows of two columns: `entries` are those of the first column, then
+/// those of the second. The factors are the low and the high half of `pair`. Sums that overflow wrap.
 #[inline(always)]
 pub fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
     add(sums, entries, pair)

@@ -1,8 +1,8 @@
 //! The coordinates in which distances are taken, and where they are cut.
 //!
-//! For a capsule in the channel they are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l): the solution varies fast at small Ca,
-//! where the square root stretches the plane, and along the steady limit Ca_lim(a/l), towards which the plane is bent a
-//! little, so that a query near the limit finds samples as near to it on the rows beside its own. How much is a
+//! For a capsule in the channel they are (s_0 sqrt(Ca) / Ca_lim(a/l)^(1/8), s_1 a/l): the solution varies fast at small
+//! Ca, where the square root stretches the plane, and along the steady limit Ca_lim(a/l), towards which the plane is
+//! bent a little, so that a query near the limit finds samples as near to it on the rows beside its own. How much is a
 //! compromise: away from the limit the solution follows Ca alone. Where the solution jumps, because the rear of the
 //! membrane buckles, the plane is cut: no interpolation crosses a jump well.
 

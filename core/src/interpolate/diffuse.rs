@@ -33,8 +33,8 @@ pub(crate) fn weight<T: Real>(d: T) -> T {
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Weights of the samples at a query with as many parameters as they have, by diffuse approximation: A p(theta_q)
-    /// of eqs. (25) and (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond the border of the
-    /// coordinates take no part, nor does `left_out`. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
+    /// of eqs. (25) and (30) is linear in the data, with L = W P (P^T W P)^-1 p(theta_q). Samples beyond the border of
+    /// the coordinates take no part, nor does `left_out`. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
     ///
     /// # Errors
     /// As [`kernel`](Self::kernel).

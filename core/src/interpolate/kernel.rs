@@ -1,8 +1,9 @@
 //! Quintic kernel with a quadratic tail on the nearest samples.
 //!
 //! The weights minimise the error's variance under the generalised covariance -r^5 and a little scatter, subject to the
-//! exact reproduction of quadratics. They are found in the null space of the constraints, where the kernel's matrix is positive definite:
-//! then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite system does not.
+//! exact reproduction of quadratics. They are found in the null space of the constraints, where the kernel's matrix is
+//! positive definite: then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite
+//! system does not.
 
 use super::{Coordinates, Search, Storage, Weights, covariance, minus, square};
 use crate::error::EvaluateError;
@@ -13,18 +14,20 @@ use crate::{Parameters, Real};
 
 /// Degree of the tail.
 const DEGREE: usize = 2;
-/// Variance of the data's own scatter, in the units of the kernel at the distance of the farthest sample: what two samples
-/// closer than a tenth of that differ by is not extrapolated. Without it, samples close to each other (0.00125 in Ca beside
-/// the steady limit) leave a matrix that single precision cannot solve: one answer in a hundred was wrong by up to 0.3 a.
+/// Variance of the data's own scatter, in the units of the kernel at the distance of the farthest sample: what two
+/// samples closer than a tenth of that differ by is not extrapolated. Without it, samples close to each other (0.00125
+/// in Ca beside the steady limit) leave a matrix that single precision cannot solve: one answer in a hundred was wrong
+/// by up to 0.3 a.
 const SCATTER: f32 = 3e-5;
 /// The share of the squared distance of the farthest sample up to which no sample counts as more scattered than that.
 const NEAR: f32 = 0.6;
 /// Variance of the scatter that the farthest sample counts as having.
 const FAR_SCATTER: f32 = 3.0;
 
-/// Variance of the scatter that a sample counts as having, by the square of its distance in that of the farthest. It grows
-/// without a jump towards the farthest, whose weight it makes small: else the answer would jump where, as the query moves, one
-/// sample takes the place of another among the nearest (by up to 8 % of a beside the border of buckling).
+/// Variance of the scatter that a sample counts as having, by the square of its distance in that of the farthest. It
+/// grows without a jump towards the farthest, whose weight it makes small: else the answer would jump where, as the
+/// query moves, one sample takes the place of another among the nearest (by up to 8 % of a beside the border of
+/// buckling).
 #[inline(never)]
 fn scatter<T: Real>(square: T) -> T {
     let far = (square - T::from_f32(NEAR)).max(T::ZERO) / T::from_f32(1.0 - NEAR);
@@ -32,12 +35,12 @@ fn scatter<T: Real>(square: T) -> T {
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples at a query with as many parameters as they have, by the quintic kernel in the coordinates. `left_out` is
-    /// a sample that takes no part. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
+    /// Weights of the samples at a query with as many parameters as they have, by the quintic kernel in the
+    /// coordinates. `left_out` is a sample that takes no part. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
     ///
-    /// Where the nearest samples lie on a surface of second degree, the monomials that they cannot tell
-    /// apart are left out of the tail. Where the query's side of the border holds fewer samples than are wanted, those of
-    /// the other side take part, and the weights reproduce a jump at the border beside the quadratics.
+    /// Where the nearest samples lie on a surface of second degree, the monomials that they cannot tell apart are left
+    /// out of the tail. Where the query's side of the border holds fewer samples than are wanted, those of the other
+    /// side take part, and the weights reproduce a jump at the border beside the quadratics.
     ///
     /// # Errors
     /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart;

@@ -71,8 +71,8 @@ impl<T: Real> Search<'_, '_, T> {
         }
     }
 
-    /// Whether the border lies between the query and a sample; `known` is the border at the a/l that was asked for last, for
-    /// samples come in rows of equal a/l.
+    /// Whether the border lies between the query and a sample; `known` is the border at the a/l that was asked for
+    /// last, for samples come in rows of equal a/l.
     fn apart(&self, sample: usize, known: &mut (T, Option<T>)) -> bool {
         let (numbers, _) = self.parameters.blob.data.as_chunks::<4>();
         let (Some(side), Some([first, second])) = (self.side, part(numbers, 2 * sample..2 * sample + 2).as_array())
@@ -111,8 +111,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let (numbers, _) = search.points.blob.data.as_chunks::<4>();
         let last = |values: &[T; MAX_PARAMETERS]| values.get(dimensions - 1).copied().unwrap_or(T::ONE);
         let (own, scale) = (last(&search.query), last(&search.scales));
-        // The points come by rising last coordinate. From the query's on both ways, the nearer first, until all that follow
-        // are farther in it than all that are kept.
+        // The points come by rising last coordinate. From the query's on both ways, the nearer first, until all that
+        // follow are farther in it than all that are kept.
         let [mut start, mut end] = [0, numbers.len() / dimensions];
         while start < end {
             let middle = (start + end) / 2;
@@ -196,8 +196,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         })
     }
 
-    /// The monomials up to degree two in the dimensions at the samples, one column each: 1, x, y, x^2, x y, y^2 for two.
-    /// The other entries are zeros.
+    /// The monomials up to degree two in the dimensions at the samples, one column each: 1, x, y, x^2, x y, y^2 for
+    /// two. The other entries are zeros.
     fn monomials<'s>(&self, columns: &'s mut [[T; N]]) -> &'s mut [[T; N]] {
         let p = self.dimensions;
         let columns = part_mut(columns, 0..1 + p + ridge_rows(p));
@@ -308,8 +308,8 @@ impl<'s, T: Real, const N: usize> Storage<'s, T, N> {
     }
 }
 
-/// Polyharmonic kernel of the square of a distance that is positive definite, in any dimension, on weights that annihilate
-/// polynomials of a degree: -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
+/// Polyharmonic kernel of the square of a distance that is positive definite, in any dimension, on weights that
+/// annihilate polynomials of a degree: -r, r^3, -r^5 (Wendland 2005, theorem 8.16).
 fn covariance<T: Real>(degree: usize, square: T) -> T {
     (0..degree).fold(-square.sqrt(), |value, _| -(value * square))
 }

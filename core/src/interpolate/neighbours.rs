@@ -3,8 +3,8 @@
 use crate::Real;
 use crate::linalg::part_mut;
 
-/// The nearest of the things that it was given, at most `N`. Their offsets stay where they were put, only the order is kept
-/// up.
+/// The nearest of the things that it was given, at most `N`. Their offsets stay where they were put, only the order is
+/// kept up.
 #[derive(Debug)]
 pub(crate) struct Nearest<T, const P: usize, const N: usize> {
     wanted: usize,
@@ -51,9 +51,9 @@ impl<T: Real, const P: usize, const N: usize> Nearest<T, P, N> {
         self.count
     }
 
-    /// Keeps what lies at `offset`, `square` being the square of its length, if it is near enough. At equal distance those
-    /// given first come first; what is at no finite distance is not kept. Numbers fit a u16, as those of samples and nodes
-    /// in a model do.
+    /// Keeps what lies at `offset`, `square` being the square of its length, if it is near enough. At equal distance
+    /// those given first come first; what is at no finite distance is not kept. Numbers fit a u16, as those of samples
+    /// and nodes in a model do.
     pub(crate) fn offer(&mut self, number: usize, square: T, offset: [T; P]) {
         let near = square < self.limit;
         if !near {

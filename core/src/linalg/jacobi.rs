@@ -62,7 +62,8 @@ impl<T: Real> Rotations<T> {
             return false;
         }
         let product = dot(x, y);
-        // The longer row moves by |product| divided by its length. Divided here too: squares of products could underflow.
+        // The longer row moves by |product| divided by its length. Divided here too: squares of products could
+        // underflow.
         let (rounding, larger) = (T::EPSILON * T::from_f32(4.0), a.max(b));
         let negligible = (rounding * rounding * a.min(b)).max(self.negligible);
         if product * (product / larger) <= negligible {

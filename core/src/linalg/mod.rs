@@ -27,8 +27,8 @@ pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
-/// Dot product of two vectors. Entry i goes to lane i mod 8 and the lanes are added in pairs: wide enough to vectorise, and
-/// the same sum whatever the target's vectors are, and however many zeros follow.
+/// Dot product of two vectors. Entry i goes to lane i mod 8 and the lanes are added in pairs: wide enough to vectorise,
+/// and the same sum whatever the target's vectors are, and however many zeros follow.
 pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     let mut lanes = [T::ZERO; LANES];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();

@@ -9,12 +9,14 @@ const DEPENDENT: f32 = 1e-5;
 /// The most columns.
 pub(crate) const MOST_COLUMNS: usize = 15;
 
-/// Q and R of columns, in the place of these. Columns and vectors have `N` entries, of which the first `rows` take part.
+/// Q and R of columns, in the place of these. Columns and vectors have `N` entries, of which the first `rows` take
+/// part.
 #[derive(Debug)]
 pub(crate) struct Qr<'s, T, const N: usize> {
     rows: usize,
     rank: usize,
-    /// Of column k, the k-th kept, the entries before k are those of R, the others those of v in the reflector I - v v^T.
+    /// Of column k, the k-th kept, the entries before k are those of R, the others those of v in the reflector I - v
+    /// v^T.
     columns: &'s mut [[T; N]],
     /// Of R.
     diagonals: [T; MOST_COLUMNS],
@@ -103,9 +105,9 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
     }
 
     /// S <- Q^T S Q of a symmetric matrix of as many rows as the columns have, of which only the lower half is read.
-    /// Only the lower half of what belongs to the null space of the columns is right afterwards: rows and columns from the
-    /// rank on. With p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T; where the next
-    /// reflector acts, its p is summed on the way.
+    /// Only the lower half of what belongs to the null space of the columns is right afterwards: rows and columns from
+    /// the rank on. With p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T; where the
+    /// next reflector acts, its p is summed on the way.
     #[inline(never)]
     pub(crate) fn conjugate(&self, matrix: &mut [[T; N]]) {
         let mut entries = [Entry {

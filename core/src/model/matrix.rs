@@ -107,8 +107,8 @@ impl<T: Real, const K: usize, const B: usize> Vectors<T, K, B> {
         counts: [0; 2],
     };
 
-    /// Makes the leading entries ready for products with a matrix: takes the units of its columns into them, and says them in
-    /// wholes. Where one is not finite, no product will be a number.
+    /// Makes the leading entries ready for products with a matrix: takes the units of its columns into them, and says
+    /// them in wholes. Where one is not finite, no product will be a number.
     pub(crate) fn ready(&mut self, matrix: &MatrixView<'_>, count: usize) {
         let values = part_mut(&mut self.values, 0..count);
         self.counts = [values.len(), 0];
@@ -272,8 +272,8 @@ impl<'a> MatrixView<'a> {
         entry.unwrap_or(0.0)
     }
 
-    /// The first entry that does not lie within bounds, by its number and value. Where all that can be said in a unit lies
-    /// within them, for every unit, no entry is looked at.
+    /// The first entry that does not lie within bounds, by its number and value. Where all that can be said in a unit
+    /// lies within them, for every unit, no entry is looked at.
     pub(super) fn outside(&self, min: f32, max: f32) -> Option<(usize, f32)> {
         let greatest = BASE * 128.0 + 128.0;
         let within = |unit: &[u8; 4]| {
@@ -343,7 +343,8 @@ impl<'a> MatrixView<'a> {
             .map_or(product, |unit| product * T::from_f32(unit))
     }
 
-    /// products <- the eight rows of each of some panels times some vectors. A panel's bits do not depend on the others.
+    /// products <- the eight rows of each of some panels times some vectors. A panel's bits do not depend on the
+    /// others.
     #[inline(always)]
     pub(crate) fn panels<T: Real, const B: usize, const P: usize>(
         &self,

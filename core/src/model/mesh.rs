@@ -4,8 +4,8 @@ use super::matrix::Indices;
 use super::wire;
 use crate::linalg::LANES;
 
-/// Of which components of the sector node's vector the y and the z of a node are, and whether with the opposite sign: swap y
-/// and z (bit 2), then y -> -y (bit 0) and z -> -z (bit 1).
+/// Of which components of the sector node's vector the y and the z of a node are, and whether with the opposite sign:
+/// swap y and z (bit 2), then y -> -y (bit 0) and z -> -z (bit 1).
 pub(crate) fn components(operation: u8) -> [(usize, bool); 2] {
     let [y, z] = if operation & 4 == 0 { [1, 2] } else { [2, 1] };
     [(y, operation & 1 != 0), (z, operation & 2 != 0)]
@@ -90,8 +90,8 @@ impl<'a> Mesh<'a> {
         Some((place - row * self.sector, *self.operations.get(row)?))
     }
 
-    /// The operations, the identity first, and the full indices of the nodes to which each takes the sector's; no node's index
-    /// where an operation before it takes one there.
+    /// The operations, the identity first, and the full indices of the nodes to which each takes the sector's; no
+    /// node's index where an operation before it takes one there.
     pub(crate) fn images(&self) -> impl Iterator<Item = (u8, Indices<'a>)> + use<'a> {
         let mesh = *self;
         let operations = self.operations.iter().enumerate();

@@ -27,8 +27,8 @@ use core::mem::MaybeUninit;
 use read::{Cursor, Part};
 use wire::{Cluster, Contents, Reference};
 
-/// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole. A model has it only if the symmetry of its mesh
-/// holds these nodes in their plane.
+/// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole. A model has it only if the symmetry of
+/// its mesh holds these nodes in their plane.
 pub const MIDPLANE: &str = "midplane";
 /// Name of the node set of the outline y = z >= 0, front pole to rear pole, under the same condition.
 pub const DIAGONAL: &str = "diagonal";

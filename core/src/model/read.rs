@@ -97,7 +97,8 @@ impl<'a> Cursor<'a> {
         self.take(1).first().copied().unwrap_or_default()
     }
 
-    /// An integer of at most `bits` bits. There is none of more than 32, which a microcontroller would take in two halves.
+    /// An integer of at most `bits` bits. There is none of more than 32, which a microcontroller would take in two
+    /// halves.
     #[inline(never)]
     fn integer(&mut self, bits: u32) -> u32 {
         let greatest = u32::MAX >> (u32::BITS - bits);

@@ -6,9 +6,9 @@
 //! # State
 //! Coefficient 0 of the displacement is the translation, `sqrt(N_x) X_c` with `X_c` the axial position of the volume
 //! centroid; it has no column in the mode matrix. Coefficient `k >= 1` belongs to column `k - 1`. The shape
-//! displacement is measured in the centroid's frame from the scaled reference node: `x = s X + Phi alpha`, with s = a/l or 1
-//! as the mesh's [`Reference`] says, so the initial shape is in the data at t = 0. The velocity's coefficients are the rates
-//! d alpha/dt: coefficient 0 is `sqrt(N_x) U` with `U = dX_c/dt`, the others are those of `v - U e_x`.
+//! displacement is measured in the centroid's frame from the scaled reference node: `x = s X + Phi alpha`, with s = a/l
+//! or 1 as the mesh's [`Reference`] says, so the initial shape is in the data at t = 0. The velocity's coefficients are
+//! the rates d alpha/dt: coefficient 0 is `sqrt(N_x) U` with `U = dX_c/dt`, the others are those of `v - U e_x`.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -34,14 +34,14 @@ pub struct Contents<'a> {
     pub times: Matrix<'a>,
     /// Instants `[N_e, 1]` of the stored leave-one-out errors, strictly rising.
     pub error_times: Matrix<'a>,
-    /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between. Empty
-    /// where the parameters are not (Ca, a/l) of a capsule in the channel.
+    /// Steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising; linear between.
+    /// Empty where the parameters are not (Ca, a/l) of a capsule in the channel.
     pub steady_limit: Matrix<'a>,
     /// Distances `[n, 3]` between the full-order solution and that without bending stiffness at some configurations:
     /// rows (Ca, a/l, modified Hausdorff distance in profile at the end as a fraction of a). May be empty.
     pub bending_effect: Matrix<'a>,
-    /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l strictly
-    /// rising; linear between, and no border beyond. May be empty.
+    /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l
+    /// strictly rising; linear between, and no border beyond. May be empty.
     pub border: Matrix<'a>,
     /// Method that a caller should take when it has no wish of its own.
     pub default_method: Method,
@@ -121,8 +121,8 @@ pub struct Mesh<'a> {
     pub reference: Reference,
     /// Reference nodes of the sector `[N_s, 3]`.
     pub sector_reference: Matrix<'a>,
-    /// `u8 [G]`: the operations 0..8 to which the mesh is symmetric, the first of them 0. Bit 2: swap y and z (first); bit 0:
-    /// y -> -y; bit 1: z -> -z.
+    /// `u8 [G]`: the operations 0..8 to which the mesh is symmetric, the first of them 0. Bit 2: swap y and z (first);
+    /// bit 0: y -> -y; bit 1: z -> -z.
     pub operations: Blob<'a>,
     /// `u16 [G, N_s]`: the full node to which each operation takes each sector node; 65535 where an operation before it
     /// does already. So every full node is named once, and the first row holds the sector's own full indices.
@@ -137,8 +137,8 @@ pub struct Mesh<'a> {
 /// The reference state of a mesh: node X contributes `s X` to its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Reference {
-    /// The unit sphere, which times a/l is the stress-free state: s = a/l, and the parameters are (Ca, a/l). Only here the
-    /// mechanics of the membrane is known.
+    /// The unit sphere, which times a/l is the stress-free state: s = a/l, and the parameters are (Ca, a/l). Only here
+    /// the mechanics of the membrane is known.
     #[default]
     Sphere,
     /// Any shape, in the unit of length: s = 1.
@@ -195,20 +195,20 @@ pub struct Samples<'a> {
     pub places: Matrix<'a>,
 }
 
-/// The motion of a cluster: the double POD of displacement and velocity (eqs. 15 to 22) in common modes, with time in cubic
-/// B-splines: the displacement of sample j at t is `Phi sum_b B_b(t) G_b Psi_j^T`, with the parameter modes Psi of the
-/// span of time that control b belongs to.
+/// The motion of a cluster: the double POD of displacement and velocity (eqs. 15 to 22) in common modes, with time in
+/// cubic B-splines: the displacement of sample j at t is `Phi sum_b B_b(t) G_b Psi_j^T`, with the parameter modes Psi
+/// of the span of time that control b belongs to.
 ///
-/// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the rates of
-/// the displacement's.
+/// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the
+/// rates of the displacement's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Field<'a> {
-    /// Shape modes `[3 S, K - 1]` at the sector nodes, orthonormal over the FULL mesh: rows of x, then of y, then of z, each S
-    /// rows for S the next multiple of 8 of N_s; those beyond N_s are 0.
+    /// Shape modes `[3 S, K - 1]` at the sector nodes, orthonormal over the FULL mesh: rows of x, then of y, then of z,
+    /// each S rows for S the next multiple of 8 of N_s; those beyond N_s are 0.
     #[serde(borrow)]
     pub modes: Matrix<'a>,
-    /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than four
-    /// times.
+    /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than
+    /// four times.
     pub knots: Matrix<'a>,
     /// The controls, in spans that follow each other.
     pub spans: Vec<Span<'a>, MAX_SPANS>,
@@ -218,8 +218,8 @@ pub struct Field<'a> {
     pub axial_modes: Matrix<'a>,
 }
 
-/// Successive controls of a motion. How it depends on the parameters changes in time, so each span has modes of its own, fewer
-/// than all of time would need.
+/// Successive controls of a motion. How it depends on the parameters changes in time, so each span has modes of its
+/// own, fewer than all of time would need.
 ///
 /// Of the core's slices G_b `[K - 1, K_c]` the last rows, which are negligible, are not stored.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -307,21 +307,22 @@ pub struct Matrix<'a> {
 
 /// How the entries of a matrix are stored.
 ///
-/// Integers are digits of one byte with a sign. A column of two digits is 256 times the first and the second; the columns of
-/// two digits come first.
+/// Integers are digits of one byte with a sign. A column of two digits is 256 times the first and the second; the
+/// columns of two digits come first.
 ///
-/// A panel is eight successive rows in blocks of 16 bytes, one for a column of two digits or for two columns of one. A block
-/// is four words, one for every two rows: the first digits of these, or those of the first column, then the second ones.
-/// Products with vectors take a panel at a time. Where the rows are no multiple of eight, or the columns of one digit are odd
-/// in number, zeros fill the last panel or block. The panels of a transpose have digits for rows, the last digits of
-/// all columns before the first ones, and rows for columns, all of one digit.
+/// A panel is eight successive rows in blocks of 16 bytes, one for a column of two digits or for two columns of one. A
+/// block is four words, one for every two rows: the first digits of these, or those of the first column, then the
+/// second ones. Products with vectors take a panel at a time. Where the rows are no multiple of eight, or the columns
+/// of one digit are odd in number, zeros fill the last panel or block. The panels of a transpose have digits for rows,
+/// the last digits of all columns before the first ones, and rows for columns, all of one digit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Encoding {
     /// Little-endian binary32, row by row.
     #[default]
     F32,
-    /// A little-endian binary32 for each column, its unit; then the panels of the transpose, in the units of the columns.
+    /// A little-endian binary32 for each column, its unit; then the panels of the transpose, in the units of the
+    /// columns.
     Columns(Digits),
     /// A little-endian binary32 for each column, its unit; then the panels in the units of their columns.
     ColumnPanels(Digits),

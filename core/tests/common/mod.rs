@@ -478,8 +478,9 @@ impl Family {
             .collect()
     }
 
-    /// Control `b` of coefficient `k` in the parameter functions: a third of an interval beside its stored instant along
-    /// the tangent, so that the spline is the cubic with the values and rates at both ends. Zeros beyond the coefficients.
+    /// Control `b` of coefficient `k` in the parameter functions: a third of an interval beside its stored instant
+    /// along the tangent, so that the spline is the cubic with the values and rates at both ends. Zeros beyond the
+    /// coefficients.
     fn control(&self, k: usize, b: usize) -> [f64; FUNCTIONS] {
         if k > SHAPE_MODES {
             return [0.0; FUNCTIONS];

@@ -1,5 +1,5 @@
-//! Ctrl-C, and what a batch system sends before it ends a job (SIGTERM), asks long work to end at its next safe point; a
-//! second one ends the program.
+//! Ctrl-C, and what a batch system sends before it ends a job (SIGTERM), asks long work to end at its next safe point;
+//! a second one ends the program.
 
 use anyhow::{Context, Result};
 use std::ops::ControlFlow;

@@ -17,8 +17,8 @@ pub struct Options {
     /// Folder of the test set, a snapshot database
     #[arg(long, value_name = "DIR", default_value = "models/fresh")]
     tests: PathBuf,
-    /// Also what the interpolation errs by alone, without the compression of the file: the folder of the snapshots that the
-    /// model was built from
+    /// Also what the interpolation errs by alone, without the compression of the file: the folder of the snapshots that
+    /// the model was built from
     #[arg(long, value_name = "DIR")]
     samples: Option<PathBuf>,
     /// Instants, in l/V, of those at which the test set has snapshots

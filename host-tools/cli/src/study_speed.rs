@@ -41,8 +41,8 @@ struct Report {
     observables_us_spread: [f64; 2],
     next_frame_us: f64,
     next_frame_us_spread: [f64; 2],
-    /// One trajectory of the full-order model against one of the reduced-order model at the same parameters, in the same
-    /// run: the median of the configurations.
+    /// One trajectory of the full-order model against one of the reduced-order model at the same parameters, in the
+    /// same run: the median of the configurations.
     fom_over_rom: Option<f64>,
     /// The least and the greatest of the configurations.
     fom_over_rom_spread: Option<[f64; 2]>,

@@ -129,7 +129,8 @@ impl Database {
         &self.description.times
     }
 
-    /// Whether the configuration has a file, with snapshots or its status alone. Parameters are compared to six decimals.
+    /// Whether the configuration has a file, with snapshots or its status alone. Parameters are compared to six
+    /// decimals.
     #[must_use]
     pub fn contains(&self, parameters: &[f64]) -> bool {
         self.directory.join(self.file_name(parameters)).exists()

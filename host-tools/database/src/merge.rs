@@ -19,8 +19,8 @@ impl Merge {
     /// all of them.
     ///
     /// # Errors
-    /// [`DatabaseError::NothingToMerge`], [`DatabaseError::Different`] with the setting, [`DatabaseError::Conflict`] with
-    /// the file, or what is wrong with a part.
+    /// [`DatabaseError::NothingToMerge`], [`DatabaseError::Different`] with the setting, [`DatabaseError::Conflict`]
+    /// with the file, or what is wrong with a part.
     pub fn gather(directories: &[PathBuf]) -> Result<Self, DatabaseError> {
         let parts: Vec<Database> = directories
             .iter()

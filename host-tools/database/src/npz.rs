@@ -181,8 +181,8 @@ pub(crate) fn triangles(mesh: &Mesh) -> Array2<u32> {
 /// `pressure_drop` (N_t,), `parameters`, `nodes` (N_x, 3) and `elements` (N_e, 6), or (N_e, 3) when all are flat.
 ///
 /// # Errors
-/// [`DatabaseError::WrongLength`] when the trajectory is not one of this mesh, [`DatabaseError::Io`] when the file cannot
-/// be written.
+/// [`DatabaseError::WrongLength`] when the trajectory is not one of this mesh, [`DatabaseError::Io`] when the file
+/// cannot be written.
 pub fn export(path: &Path, mesh: &Mesh, trajectory: &Trajectory) -> Result<(), DatabaseError> {
     trajectory.validate(mesh.nodes.len())?;
     let (instants, nodes) = (trajectory.times.len(), mesh.nodes.len());

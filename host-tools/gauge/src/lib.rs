@@ -1,5 +1,5 @@
-//! What work costs: by a number that counts what is done with it, which repeats exactly, and by the machine's peaks, which
-//! tell how near to its limit a measured time is.
+//! What work costs: by a number that counts what is done with it, which repeats exactly, and by the machine's peaks,
+//! which tell how near to its limit a measured time is.
 
 mod counted;
 mod peak;

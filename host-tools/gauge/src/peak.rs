@@ -25,7 +25,8 @@ pub enum Arithmetic {
     FusedDouble,
     /// Products and sums in single precision, each rounded, in the machine's widest registers.
     RoundedSingle,
-    /// Products and sums in single precision, each rounded, with the instructions that every processor of this kind has.
+    /// Products and sums in single precision, each rounded, with the instructions that every processor of this kind
+    /// has.
     PortableSingle,
 }
 

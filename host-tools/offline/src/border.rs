@@ -1,7 +1,8 @@
-//! Where the solution jumps: at small Ca the rear of the membrane is smooth, and beyond a threshold it buckles into a dent.
+//! Where the solution jumps: at small Ca the rear of the membrane is smooth, and beyond a threshold it buckles into a
+//! dent.
 //!
-//! At small confinements the dent comes at once with a finite depth, and shape and velocity jump with it; at larger ones it
-//! grows from nothing and there is no border.
+//! At small confinements the dent comes at once with a finite depth, and shape and velocity jump with it; at larger
+//! ones it grows from nothing and there is no border.
 
 use serde::Serialize;
 
@@ -45,8 +46,8 @@ impl Jump {
 /// A steady sample: a/l, Ca, and the depth of its dent over a.
 pub(crate) type Place = [f64; 3];
 
-/// The steady samples by rising confinement and Ca. A late dent counts as none: the border lies where dents begin to come early,
-/// for most of the time a late one is on the smooth side of it.
+/// The steady samples by rising confinement and Ca. A late dent counts as none: the border lies where dents begin to
+/// come early, for most of the time a late one is on the smooth side of it.
 pub(crate) fn places(samples: &[Sample]) -> Vec<Place> {
     let mut places: Vec<Place> = samples
         .iter()
@@ -62,15 +63,15 @@ fn early_depth(dent: Dent) -> f64 {
     if is_late(dent) { 0.0 } else { dent.depth }
 }
 
-/// Whether a dent is late. Just beyond the jump the smooth shape is almost steady: it lasts, the longer the nearer, and then
-/// buckles at once. At some instants such a configuration lies on the one side of the border and at others on the other, and
-/// no neighbour of it on either side is like it.
+/// Whether a dent is late. Just beyond the jump the smooth shape is almost steady: it lasts, the longer the nearer, and
+/// then buckles at once. At some instants such a configuration lies on the one side of the border and at others on the
+/// other, and no neighbour of it on either side is like it.
 pub(crate) fn is_late(dent: Dent) -> bool {
     dent.depth > JUMP && dent.start > LATE
 }
 
-/// The jumps of all rows, by rising confinement: where the depth of the dent, drawn back from its first two samples in a line to
-/// the last sample without one, is still finite.
+/// The jumps of all rows, by rising confinement: where the depth of the dent, drawn back from its first two samples in
+/// a line to the last sample without one, is still finite.
 pub(crate) fn jumps(places: &[Place]) -> Vec<Jump> {
     places
         .chunk_by(|a, b| (a[0] - b[0]).abs() <= SAME_ROW)
@@ -93,9 +94,9 @@ fn jump(row: &[Place]) -> Option<Jump> {
     })
 }
 
-/// The border (a/l, Ca): a line through the middles of the jumps that has all places on their sides. A jump that is known
-/// only roughly makes no point of it where the line between its neighbours passes between its two samples anyway. The line
-/// is drawn on at both ends to half the way to the next row, where there is one.
+/// The border (a/l, Ca): a line through the middles of the jumps that has all places on their sides. A jump that is
+/// known only roughly makes no point of it where the line between its neighbours passes between its two samples anyway.
+/// The line is drawn on at both ends to half the way to the next row, where there is one.
 pub(crate) fn border(jumps: &[Jump], places: &[Place]) -> Vec<[f64; 2]> {
     let mut by_width: Vec<&Jump> = jumps.iter().collect();
     by_width.sort_by(|a, b| b.width().total_cmp(&a.width()));
@@ -124,8 +125,8 @@ pub(crate) fn border(jumps: &[Jump], places: &[Place]) -> Vec<[f64; 2]> {
     border
 }
 
-/// A place that a line has on the wrong side, or too near, draws it past itself: first the one that does so farthest. Where the
-/// line has a point already, it is one of the jump that was measured there.
+/// A place that a line has on the wrong side, or too near, draws it past itself: first the one that does so farthest.
+/// Where the line has a point already, it is one of the jump that was measured there.
 fn drawn_by(border: &mut Vec<[f64; 2]>, places: &[Place]) {
     let drawn = |border: &[[f64; 2]], [confinement, ca, depth]: Place| -> Option<(f64, [f64; 2])> {
         let next = border.iter().position(|point| point[0] > confinement - SAME_ROW)?;

@@ -1,10 +1,10 @@
 //! How far the error may exceed the one that is expected.
 //!
 //! Leaving out one sample of a row asks along the row, where the samples are dense. New configurations lie between the
-//! rows, some near a sample and some in the middle. So the bound is calibrated with every sample twice: predicted from the
-//! other rows alone, and from all samples, where truncation alone errs. The bound is the multiple of the expected error that
-//! 95 % of these errors stay below, each counted with the part of the domain that lies nearest to its sample: samples are
-//! dense where the solution varies fast, and new configurations are not.
+//! rows, some near a sample and some in the middle. So the bound is calibrated with every sample twice: predicted from
+//! the other rows alone, and from all samples, where truncation alone errs. The bound is the multiple of the expected
+//! error that 95 % of these errors stay below, each counted with the part of the domain that lies nearest to its
+//! sample: samples are dense where the solution varies fast, and new configurations are not.
 
 use rayon::prelude::*;
 
@@ -111,7 +111,8 @@ fn quantile(mut weighted: Vec<(f64, f64)>) -> Option<f64> {
     reached.or(weighted.last()).map(|(value, _)| *value)
 }
 
-/// How many places of the domain, evenly spread, lie nearest to each of some parameters, with the domain's ranges as units.
+/// How many places of the domain, evenly spread, lie nearest to each of some parameters, with the domain's ranges as
+/// units.
 fn parts_of_domain(plan: &Plan, models: &[Model<'_>], parameters: &[&[f64]]) -> Vec<f64> {
     let ranges = plan.ranges();
     let along = PLACES.powf(1.0 / ranges.len() as f64).round() as usize;

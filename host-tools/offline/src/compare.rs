@@ -40,8 +40,8 @@ pub struct Comparison {
     pub beyond_walls: f64,
 }
 
-/// Compares a model by all methods with the configurations of a database that lie in its domain, at those of the `times`
-/// at which there are snapshots; these come first. A configuration that was steady before is extended.
+/// Compares a model by all methods with the configurations of a database that lie in its domain, at those of the
+/// `times` at which there are snapshots; these come first. A configuration that was steady before is extended.
 ///
 /// # Errors
 /// The database's errors; [`OfflineError::Evaluate`] where the model does not answer.

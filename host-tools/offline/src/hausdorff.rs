@@ -49,8 +49,8 @@ impl Sector {
     }
 }
 
-/// [`modified_hausdorff`] of two sets of equally many points that have the same symmetry: the same number from the points
-/// of one sector.
+/// [`modified_hausdorff`] of two sets of equally many points that have the same symmetry: the same number from the
+/// points of one sector.
 pub(crate) fn symmetric_modified_hausdorff(a: &[[f64; 3]], b: &[[f64; 3]], sector: &Sector) -> f64 {
     let directed = |from: &[[f64; 3]], to: &[[f64; 3]]| {
         let axis = |d: usize| -> Vec<f64> { to.iter().map(|p| p[d]).collect() };

@@ -1,4 +1,5 @@
-//! What the interpolation errs by alone: its weights times the samples' own snapshots, without modes, splines and digits.
+//! What the interpolation errs by alone: its weights times the samples' own snapshots, without modes, splines and
+//! digits.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -28,8 +29,9 @@ pub struct Interpolated {
     pub shape: Vec<f64>,
 }
 
-/// Interpolates the snapshots of `samples`, the database that a model was built from, by the model's weights, and compares
-/// with the configurations of `tests` that lie in its domain, at those of the `times` at which there are snapshots.
+/// Interpolates the snapshots of `samples`, the database that a model was built from, by the model's weights, and
+/// compares with the configurations of `tests` that lie in its domain, at those of the `times` at which there are
+/// snapshots.
 ///
 /// # Errors
 /// The databases' errors, or that their meshes differ; [`OfflineError::Evaluate`] where the weights cannot be computed.
@@ -91,8 +93,8 @@ fn weights(model: &Model, parameters: &[f64]) -> Result<Vec<(Vec<f64>, f64)>, Ev
     Ok(weights.iter().map(|(j, weight)| (sample(j), weight)).collect())
 }
 
-/// sums <- sums + weight times a sample's snapshots. As the weights reproduce linear functions, what is interpolated may be the
-/// positions themselves in place of the displacements.
+/// sums <- sums + weight times a sample's snapshots. As the weights reproduce linear functions, what is interpolated
+/// may be the positions themselves in place of the displacements.
 fn add(sums: &mut Vec<Prediction>, weight: f64, snapshots: Vec<Truth>) {
     if sums.is_empty() {
         sums.extend(snapshots.iter().map(|snapshot| Prediction {

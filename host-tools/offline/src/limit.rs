@@ -16,8 +16,8 @@ const BRACKET: f64 = 0.012;
 pub struct SteadyLimit {
     /// a/l
     pub confinement: f64,
-    /// The greatest capillary number with a steady shape, or known to lie below the limit as it lies below that of a larger
-    /// capsule.
+    /// The greatest capillary number with a steady shape, or known to lie below the limit as it lies below that of a
+    /// larger capsule.
     pub largest_steady_ca: Option<f64>,
     /// The least capillary number beyond it without one.
     pub smallest_unsteady_ca: Option<f64>,
@@ -80,8 +80,8 @@ fn points(brackets: &[SteadyLimit]) -> Vec<[f64; 2]> {
     points
 }
 
-/// The curve (a/l, Ca_lim) through the brackets, by the piecewise cubic of Fritsch and Carlson (SIAM J. Numer. Anal. 17,
-/// 1980), which rises and falls where the data do; in steps that are short enough to be joined by lines.
+/// The curve (a/l, Ca_lim) through the brackets, by the piecewise cubic of Fritsch and Carlson (SIAM J. Numer. Anal.
+/// 17, 1980), which rises and falls where the data do; in steps that are short enough to be joined by lines.
 pub(crate) fn curve(brackets: &[SteadyLimit]) -> Vec<[f64; 2]> {
     let points = points(brackets);
     let Some(last) = points.len().checked_sub(1) else {

@@ -10,11 +10,11 @@ use crate::splines::{Span, TimeFit};
 use crate::svd::left_singular;
 use crate::{OfflineError, Ranks};
 
-/// Root-mean-square error of the basis in which the snapshots of a cluster are kept while models are built and rebuilt, as
-/// a share of the tolerance, which is what the modes may leave in a span of time.
+/// Root-mean-square error of the basis in which the snapshots of a cluster are kept while models are built and rebuilt,
+/// as a share of the tolerance, which is what the modes may leave in a span of time.
 const WORKING_SHARE: f64 = 0.05;
-/// What the parameter modes may leave. Over all time the modes leave half the tolerance, for a span has those of the others
-/// too.
+/// What the parameter modes may leave. Over all time the modes leave half the tolerance, for a span has those of the
+/// others too.
 const PARAMETER_SHARE: f64 = 0.625;
 /// What the splines may add.
 const TIME_SHARE: f64 = 1.0;
@@ -210,9 +210,9 @@ impl Snapshots {
         })
     }
 
-    /// Modes that leave no more than the tolerance in every span of time. The common ones come first, then what each span
-    /// needs beside those before, the last span first: so the end of a motion, where most instants are, needs the leading
-    /// modes alone, and the rows of the others are left out of the core there.
+    /// Modes that leave no more than the tolerance in every span of time. The common ones come first, then what each
+    /// span needs beside those before, the last span first: so the end of a motion, where most instants are, needs the
+    /// leading modes alone, and the rows of the others are left out of the core there.
     fn modes(&self, space: &Mat<f64>, shapes: &[&Mat<f64>], tolerance: f64) -> Result<Mat<f64>, OfflineError> {
         let mut modes = leading(space, COMMON_MODES);
         for span in self.spans.iter().rev() {
@@ -303,8 +303,8 @@ impl DoublePod {
     }
 }
 
-/// Leaves out the last rows of a slice, as far as the budget allows: they may add as much to the sum of the squares over
-/// all samples, over which the columns of Psi are normalised. What shares a panel is kept alike.
+/// Leaves out the last rows of a slice, as far as the budget allows: they may add as much to the sum of the squares
+/// over all samples, over which the columns of Psi are normalised. What shares a panel is kept alike.
 fn kept_rows(slice: &Mat<f64>, budget: f64) -> Mat<f64> {
     let (rows, columns) = slice.shape();
     let square = |k: usize| (0..columns).map(|l| slice[(k, l)].powi(2)).sum::<f64>();
@@ -340,8 +340,8 @@ fn rank(values: &[f64], tolerance: f64, count: usize) -> usize {
     values.len() - dropped.count()
 }
 
-/// What unit vectors add to orthonormal ones. Directions in which next to nothing is left of the snapshots may be any, and
-/// those that lie in the span of the others fall out.
+/// What unit vectors add to orthonormal ones. Directions in which next to nothing is left of the snapshots may be any,
+/// and those that lie in the span of the others fall out.
 fn beside(known: &Mat<f64>, vectors: &Mat<f64>) -> Mat<f64> {
     let left = vectors - product(known, &product(&known.transpose().to_owned(), vectors));
     let new: Vec<usize> = (0..left.ncols()).filter(|k| left.col(*k).norm_l2() > 0.5).collect();

@@ -57,8 +57,8 @@ pub(crate) struct Truth {
     pub(crate) centroid: f64,
 }
 
-/// Reads the configurations of a database that take part; a steady one is extended by rigid translation to the end time.
-/// The truth is kept at `truth_times`.
+/// Reads the configurations of a database that take part; a steady one is extended by rigid translation to the end
+/// time. The truth is kept at `truth_times`.
 ///
 /// # Errors
 /// [`OfflineError::NotSymmetric`], or the database's errors.
@@ -119,8 +119,8 @@ fn takes_part(entry: &Entry, instants: usize, limits: &[SteadyLimit], settings: 
     chosen && complete
 }
 
-/// Those of increasing instants that a model keeps ([`Settings::spacing`]): the first, the last and what lies far enough
-/// from the one kept before.
+/// Those of increasing instants that a model keeps ([`Settings::spacing`]): the first, the last and what lies far
+/// enough from the one kept before.
 pub(crate) fn instants(times: &[f64], spacing: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for (i, time) in times.iter().enumerate() {
@@ -331,8 +331,8 @@ pub(crate) fn needed(parameters: usize) -> usize {
 /// samples lie on one side.
 ///
 /// # Errors
-/// [`OfflineError::TooFewSamples`] when a cluster has fewer samples than a quadratic has coefficients, and one more that
-/// may be left out.
+/// [`OfflineError::TooFewSamples`] when a cluster has fewer samples than a quadratic has coefficients, and one more
+/// that may be left out.
 pub(crate) fn clusters(samples: &[Sample], split: Option<Split>, names: &[String]) -> Result<Vec<Part>, OfflineError> {
     let parameter = split.map_or(0, |split| split.parameter);
     let values = || samples.iter().map(|s| s.parameters[parameter]);

@@ -27,15 +27,15 @@ pub struct Settings {
     /// end time. The first of each row halves the error near the limit up to t = 8; more add nothing,
     /// and all of them disturb t = 20.
     pub beyond: f64,
-    /// Where two clusters meet, if there are two. The default is the confinement at which the initial shape changes from a
-    /// sphere to an ellipsoid.
+    /// Where two clusters meet, if there are two. The default is the confinement at which the initial shape changes
+    /// from a sphere to an ellipsoid.
     pub split: Option<Split>,
     /// How many modes are kept.
     pub truncation: Truncation,
     /// How modes and coefficients are stored.
     pub storage: Storage,
-    /// The instants that are kept, as the motion slows down: none follows another by less than this share of its time. 0
-    /// keeps all.
+    /// The instants that are kept, as the motion slows down: none follows another by less than this share of its time.
+    /// 0 keeps all.
     pub spacing: f64,
     /// The direct method.
     pub kernel: Kernel,
@@ -71,9 +71,9 @@ pub enum Design {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Truncation {
-    /// As many as bring the error of the displacement by the basis of space below a tolerance, in l (root mean square over the
-    /// nodes, the samples and the instants of each span of time), and by that of the parameters below five eighths of it, but no
-    /// more than the core holds.
+    /// As many as bring the error of the displacement by the basis of space below a tolerance, in l (root mean square
+    /// over the nodes, the samples and the instants of each span of time), and by that of the parameters below five
+    /// eighths of it, but no more than the core holds.
     Tolerance(f64),
     /// As many as are asked for, like the paper.
     Ranks(Ranks),
@@ -152,7 +152,8 @@ impl Default for Settings {
 const ERROR_INSTANTS: usize = 32;
 
 impl Settings {
-    /// The settings for other people's data: a tolerance of 1e-4 of the capsule's radius, distances in which all parameters have the same range, and one cluster.
+    /// The settings for other people's data: a tolerance of 1e-4 of the capsule's radius, distances in which all
+    /// parameters have the same range, and one cluster.
     ///
     /// # Errors
     /// [`OfflineError::Database`] for a surface that encloses no volume.
@@ -194,8 +195,8 @@ impl Settings {
         })
     }
 
-    /// The settings for the paper's design alone. A quarter of the samples need fewer modes: three quarters of a megabyte
-    /// hold a finer truncation. They lie farther apart, and more of them take part in a query.
+    /// The settings for the paper's design alone. A quarter of the samples need fewer modes: three quarters of a
+    /// megabyte hold a finer truncation. They lie farther apart, and more of them take part in a query.
     #[must_use]
     pub fn of_paper_design() -> Self {
         let standard = Settings::default();

@@ -8,7 +8,8 @@ use std::ops::Range;
 
 /// Order of the splines.
 const ORDER: usize = 4;
-/// What a rate counts as against a value: a third of the shorter interval beside its instant, for a control lies so far from it.
+/// What a rate counts as against a value: a third of the shorter interval beside its instant, for a control lies so far
+/// from it.
 const RATE_SHARE: f64 = 1.0 / 3.0;
 /// The most spans of time with modes of their own.
 const MOST_SPANS: usize = 4;
@@ -42,9 +43,9 @@ impl TimeFit {
         (0..times.len()).map(weight).collect()
     }
 
-    /// Slows the start of snapshots `[r, 2 N_t]`, values and then weighted rates, to what a cubic through both ends of the first
-    /// interval follows without overshoot: three times the mean rate (Fritsch and Carlson 1980). A membrane may relax much
-    /// faster than the snapshots follow each other.
+    /// Slows the start of snapshots `[r, 2 N_t]`, values and then weighted rates, to what a cubic through both ends of
+    /// the first interval follows without overshoot: three times the mean rate (Fritsch and Carlson 1980). A membrane
+    /// may relax much faster than the snapshots follow each other.
     pub(crate) fn limit_start(snapshots: &mut Mat<f64>) {
         let count = snapshots.ncols() / 2;
         let norm = |entry: &dyn Fn(usize) -> f64| (0..snapshots.nrows()).map(|r| entry(r).powi(2)).sum::<f64>().sqrt();
@@ -55,11 +56,12 @@ impl TimeFit {
         }
     }
 
-    /// Splines for snapshots `[r, 2 N_t]`, values and then weighted rates, of some samples: as few knots as leave no more than
-    /// a length (root mean square over the samples) of the value and of the weighted rate at each instant.
+    /// Splines for snapshots `[r, 2 N_t]`, values and then weighted rates, of some samples: as few knots as leave no
+    /// more than a length (root mean square over the samples) of the value and of the weighted rate at each instant.
     ///
-    /// Knots lie at instants. Where the fit is not good enough, the interval gets another knot in its middle; where it has no
-    /// instant in it, both its ends are doubled, until the spline is the cubic with the values and rates of the instants.
+    /// Knots lie at instants. Where the fit is not good enough, the interval gets another knot in its middle; where it
+    /// has no instant in it, both its ends are doubled, until the spline is the cubic with the values and rates of the
+    /// instants.
     pub(crate) fn new(times: &[f64], snapshots: &[Mat<f64>], tolerance: f64) -> Self {
         let count = times.len();
         let budget = tolerance * tolerance * snapshots.len() as f64;
@@ -190,7 +192,8 @@ fn design(knots: &[f64], times: &[f64], weights: &[f64]) -> Mat<f64> {
         for (j, value) in cubic.into_iter().enumerate() {
             let b = interval + 1 - ORDER + j;
             design[(i, b)] = value;
-            // B' = 3 (B_b of degree 2 / its support - B_(b+1) of degree 2 / its support), without those that are zero here.
+            // B' = 3 (B_b of degree 2 / its support - B_(b+1) of degree 2 / its support), without those that are zero
+            // here.
             let slope = |j: usize, b: usize| 3.0 * quadratic[j] / (knots[b + 3] - knots[b]);
             let rising = if j > 0 { slope(j - 1, b) } else { 0.0 };
             let falling = if j < 3 { slope(j, b + 1) } else { 0.0 };

@@ -40,8 +40,8 @@ impl Numbers {
         }
     }
 
-    /// As [`Numbers::new`], but units of the columns or of the rows and multiples of them if the storage is so: the first
-    /// `coarse` columns in two digits, the others in one.
+    /// As [`Numbers::new`], but units of the columns or of the rows and multiples of them if the storage is so: the
+    /// first `coarse` columns in two digits, the others in one.
     fn integers(
         storage: Storage,
         encoding: fn(Digits) -> Encoding,
@@ -66,7 +66,8 @@ impl Numbers {
         let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
         let digits = |i: usize, j: usize| {
             let unit = units[if of_rows { i } else { j }];
-            // A unit is rounded, so a multiple may be one more than the greatest. Of a unit that is 0 every multiple is.
+            // A unit is rounded, so a multiple may be one more than the greatest. Of a unit that is 0 every multiple
+            // is.
             let most = greatest_multiple(j < coarse);
             let multiple = if unit > 0.0 { value(i, j) / f64::from(unit) } else { 0.0 };
             let integer = multiple.round().clamp(-most, most) as i32;
@@ -197,7 +198,8 @@ fn indices<'a>(values: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
 
 impl MeshParts {
     /// # Errors
-    /// [`OfflineError::TooManyNodes`]; [`OfflineError::NoOutline`] for a sphere, while another shape may be without outlines.
+    /// [`OfflineError::TooManyNodes`]; [`OfflineError::NoOutline`] for a sphere, while another shape may be without
+    /// outlines.
     pub(crate) fn new(mesh: &Mesh, symmetry: &Symmetry, reference: Reference) -> Result<Self, OfflineError> {
         // 65535 says that there is none.
         let limit = usize::from(u16::MAX);
@@ -290,8 +292,8 @@ impl MeshParts {
     }
 }
 
-/// The place of each node in the table of images, a row for each operation and a column for each of the sector's nodes: these at
-/// the places given.
+/// The place of each node in the table of images, a row for each operation and a column for each of the sector's nodes:
+/// these at the places given.
 fn origins(symmetry: &Symmetry, places: &[usize]) -> Vec<u32> {
     let mut rows = [0; 8];
     for (row, operation) in symmetry.operations.iter().enumerate() {
@@ -302,8 +304,8 @@ fn origins(symmetry: &Symmetry, places: &[usize]) -> Vec<u32> {
     images.map(|image| place(image) as u32).collect()
 }
 
-/// The sector's nodes, by their places in the symmetry's order: first those of the outlines, as these run, so that they share
-/// panels and no others are computed with them.
+/// The sector's nodes, by their places in the symmetry's order: first those of the outlines, as these run, so that they
+/// share panels and no others are computed with them.
 fn order<'a>(symmetry: &Symmetry, outlines: impl Iterator<Item = &'a u32>) -> Vec<usize> {
     let of_outlines = outlines.map(|node| symmetry.representative[*node as usize] as usize);
     let mut taken = vec![false; symmetry.sector.len()];
@@ -321,8 +323,8 @@ fn outlines(nodes: &[[f64; 3]], radius: f64) -> Result<Vec<(&'static str, Vec<u3
     Ok(vec![(MIDPLANE, midplane), (DIAGONAL, diagonal)])
 }
 
-/// The nodes of a half plane through the axis, from the front pole to the rear pole: by the angle from the axis, around the
-/// origin, which is the centroid.
+/// The nodes of a half plane through the axis, from the front pole to the rear pole: by the angle from the axis, around
+/// the origin, which is the centroid.
 fn outline(
     name: &'static str,
     nodes: &[[f64; 3]],

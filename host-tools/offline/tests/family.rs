@@ -58,7 +58,8 @@ fn the_model_returns_the_family_between_its_samples() {
         (25, bytes.len(), model.digest())
     );
 
-    // Two shape modes, as many as make a multiple of eight, and the translation; 1, Ca, a/l and its square in the parameters.
+    // Two shape modes, as many as make a multiple of eight, and the translation; 1, Ca, a/l and its square in the
+    // parameters.
     for cluster in &report.clusters {
         assert_eq!(cluster.samples, 15);
         assert!(cluster.field.space_rank <= 9, "{cluster:?}");

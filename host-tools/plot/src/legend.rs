@@ -1,4 +1,5 @@
-//! What the colours of a panel mean: a line of entries, or more, between the title and the axes, where they hide nothing.
+//! What the colours of a panel mean: a line of entries, or more, between the title and the axes, where they hide
+//! nothing.
 
 use crate::lines::Mark;
 use crate::{MARGIN, SMALL, TEXT, text};

@@ -107,7 +107,8 @@ impl Lines {
             })
     }
 
-    /// The height that this panel wants at a width, in points of the drawing: less than the usual for shapes that are long.
+    /// The height that this panel wants at a width, in points of the drawing: less than the usual for shapes that are
+    /// long.
     pub(crate) fn height(&self, (width, usual): (u32, u32)) -> u32 {
         let Some((xs, ys)) = self.ranges().filter(|_| self.same_scale) else {
             return usual;

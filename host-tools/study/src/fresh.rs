@@ -36,8 +36,8 @@ pub struct Fresh {
     pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
     /// For each method, what the model states of its errors.
     pub stated: BTreeMap<&'static str, Stated>,
-    /// What the interpolation of direct evaluation errs by alone, without the compression of the file, at each instant; if it
-    /// was asked for.
+    /// What the interpolation of direct evaluation errs by alone, without the compression of the file, at each instant;
+    /// if it was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub interpolation: Vec<InstantErrors>,
     /// For each method, each configuration.

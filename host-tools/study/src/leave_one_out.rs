@@ -51,9 +51,9 @@ pub struct SampleErrors {
     pub shape_percent: Vec<f64>,
 }
 
-/// Leaves out every sample in turn and measures both methods at the samples in the domain that the model answers for: for
-/// a database at t = 0.1, 1, 2, 4, 8 and 20, as far as it has snapshots there, for other people's data at the instants of
-/// the settings.
+/// Leaves out every sample in turn and measures both methods at the samples in the domain that the model answers for:
+/// for a database at t = 0.1, 1, 2, 4, 8 and 20, as far as it has snapshots there, for other people's data at the
+/// instants of the settings.
 ///
 /// The model is built again without the sample, all of it: POD, coefficients, interpolation. A sample on the row that
 /// two clusters share is judged by the cluster that answers there.

@@ -27,11 +27,11 @@ pub struct Suggestion {
     pub expected_percent: f64,
 }
 
-/// The `count` configurations of the model's domain at which it expects to err most, each with those before it added. The
-/// error is the greatest over the instants up to `until`.
+/// The `count` configurations of the model's domain at which it expects to err most, each with those before it added.
+/// The error is the greatest over the instants up to `until`.
 ///
-/// A new sample makes the interpolation around it more certain, and its own share of error is what its neighbours' are: so
-/// the suggestions spread, and no solution needs to be known.
+/// A new sample makes the interpolation around it more certain, and its own share of error is what its neighbours' are:
+/// so the suggestions spread, and no solution needs to be known.
 ///
 /// # Errors
 /// [`StudyError::Evaluate`] where samples are too close to each other.
@@ -196,8 +196,8 @@ pub struct Replayed {
 }
 
 /// Chooses a design anew out of a database that is there: starts with every `start`-th sample, adds `batch` at a time
-/// where the model so far expects to err most in its domain, up to `most` samples, and compares each with a test set; and
-/// the paper's grid for comparison.
+/// where the model so far expects to err most in its domain, up to `most` samples, and compares each with a test set;
+/// and the paper's grid for comparison.
 ///
 /// Modes, steady limit and border are those of the whole database for all designs.
 ///

@@ -18,8 +18,8 @@ const BLOCK: usize = 256;
 pub struct Limits {
     /// Operations in a nanosecond, single precision, each rounded, in the widest registers.
     pub operations_per_ns: f64,
-    /// The same with the instructions that every processor of this kind has, by which the core does all but products with
-    /// panels.
+    /// The same with the instructions that every processor of this kind has, by which the core does all but products
+    /// with panels.
     pub portable_operations_per_ns: f64,
     /// Bytes read in a nanosecond from an array as large as the model.
     pub bytes_per_ns: f64,

@@ -23,9 +23,9 @@ fn spoil(block: &mut [u8]) {
 /// An answer's bits, or why there is none.
 type Answer = Result<Vec<u64>, EvaluateError>;
 
-/// The blocks of so many bytes, at least 5, of a file on which the answer to a task depends; what was prepared before was prepared with the whole file.
-/// Blocks whose spoiling makes the file invalid (dimensions, indices, instants, singles, which become too large) are not among
-/// them.
+/// The blocks of so many bytes, at least 5, of a file on which the answer to a task depends; what was prepared before
+/// was prepared with the whole file. Blocks whose spoiling makes the file invalid (dimensions, indices, instants,
+/// singles, which become too large) are not among them.
 ///
 /// # Errors
 /// A file that cannot be opened.

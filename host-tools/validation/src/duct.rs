@@ -7,8 +7,8 @@ use capsule_fom::{Configuration, MembraneDiscretisation, Outcome, Settings, Solv
 use crate::poiseuille::FiniteDifferences;
 use crate::{Check, ValidationError};
 
-/// Small stiff capsules on the axis, which hardly deform, move as Faxen's law has it for spheres; the walls come in only
-/// with the fifth power of the radius.
+/// Small stiff capsules on the axis, which hardly deform, move as Faxen's law has it for spheres; the walls come in
+/// only with the fifth power of the radius.
 pub fn stiff_spheres() -> Result<Vec<Check>, ValidationError> {
     let flow = FiniteDifferences::extrapolated(160);
     let mut checks = Vec::new();

@@ -80,8 +80,8 @@ impl Flow for Witness {
     }
 }
 
-/// The pressure in the inflated unit sphere by virtual work, `r . x = 3 p V`, and the greatest error of a nodal traction
-/// over the pressure.
+/// The pressure in the inflated unit sphere by virtual work, `r . x = 3 p V`, and the greatest error of a nodal
+/// traction over the pressure.
 fn inflate(discretisation: &Discretisation, stretch: f64) -> Result<(f64, f64), ValidationError> {
     let witness = Witness::default();
     let mesh = &discretisation.mesh;

@@ -40,8 +40,8 @@ const POINTS: [(f64, f64); 9] = [
     (0.9, 0.9),
 ];
 
-/// The flow by a method that shares nothing with the series: the fourth-order nine-point stencil (Mehrstellenverfahren),
-/// solved exactly in the grid's sines.
+/// The flow by a method that shares nothing with the series: the fourth-order nine-point stencil
+/// (Mehrstellenverfahren), solved exactly in the grid's sines.
 #[derive(Debug, Clone, Copy)]
 pub struct FiniteDifferences {
     /// `-dp/dx` at mean velocity 1.
@@ -62,8 +62,8 @@ impl FiniteDifferences {
     }
 }
 
-/// Mean velocity and the velocities at those points for a pressure gradient of 1, with `n` intervals of `h = 1/n` over the
-/// half side.
+/// Mean velocity and the velocities at those points for a pressure gradient of 1, with `n` intervals of `h = 1/n` over
+/// the half side.
 fn unit_gradient(n: usize) -> [f64; 10] {
     let (size, h) = (2 * n, 1.0 / n as f64);
     let sine = |j: usize, p: usize| (PI * ((j * p) % (2 * size)) as f64 / size as f64).sin();

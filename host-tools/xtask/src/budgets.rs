@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// The greatest rise that is not told.
 const TOLERANCE: f64 = 1.02;
 
-/// How wasm-opt makes a module smallest: again and again, then with repeated constants in locals. The low 1 KiB of memory is the
-/// far end of the stack, which no address of the code points to.
+/// How wasm-opt makes a module smallest: again and again, then with repeated constants in locals. The low 1 KiB of
+/// memory is the far end of the stack, which no address of the code points to.
 const SMALLEST: &str = "-Oz --low-memory-unused --converge --const-hoisting --reorder-functions";
 
 /// Random queries of which a typical one's cost is the median.

@@ -81,8 +81,8 @@ pub fn fuzz(options: &Options) -> Result<()> {
 }
 
 impl Target {
-    /// A call of cargo-fuzz. Where numbers are compared in every line, to trace each comparison finds nothing and takes most of
-    /// the time.
+    /// A call of cargo-fuzz. Where numbers are compared in every line, to trace each comparison finds nothing and takes
+    /// most of the time.
     fn cargo_fuzz(&self, what: &str, folder: &Path) -> Command {
         let Self { name, sanitizer, .. } = self;
         let mut cargo_fuzz = command(&format!(

@@ -1,6 +1,6 @@
-//! Miri: an interpreter that stops at undefined behaviour. It is some hundred times slower than the processor, so it runs
-//! the C interface's refusals and its set-up of a workspace, where the unsafe code is, the core's own tests, and every
-//! entry point on a small model, whole and with bits flipped.
+//! Miri: an interpreter that stops at undefined behaviour. It is some hundred times slower than the processor, so it
+//! runs the C interface's refusals and its set-up of a workspace, where the unsafe code is, the core's own tests, and
+//! every entry point on a small model, whole and with bits flipped.
 
 use crate::command::{command, run};
 use crate::setup;

@@ -76,8 +76,8 @@ fn build(library: &Library, target: &str) -> Result<PathBuf> {
     Ok(target_directory().join(target).join("embedded/libcapsule_capi.a"))
 }
 
-/// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a Cortex-M4F that
-/// takes 2 % less code than its own limit for size.
+/// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a
+/// Cortex-M4F that takes 2 % less code than its own limit for size.
 pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
     setup::rust_target(target)?;
     let cpu = match target {

@@ -1,5 +1,5 @@
-//! Products of panels of small integers with vectors of whole numbers: sums that are exact, so that every target adds them as
-//! it can, in any order, and comes to the same bits.
+//! Products of panels of small integers with vectors of whole numbers: sums that are exact, so that every target adds
+//! them as it can, in any order, and comes to the same bits.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -29,8 +29,8 @@ pub(crate) fn multiply<T: Real, const B: usize, const P: usize>(
 ) {
     for (panel, products) in panels.iter().zip(products) {
         for (b, (products, unit)) in products.iter_mut().zip(units).enumerate() {
-            // Four sums, the entries and the factors are as much as a Cortex-M has registers for beside what it needs to
-            // get them.
+            // Four sums, the entries and the factors are as much as a Cortex-M has registers for beside what it needs
+            // to get them.
             let (halves, _) = products.as_chunks_mut();
             if let [first, second] = halves {
                 half::<T, B, 0>(panel, pairs, b, unit, first);

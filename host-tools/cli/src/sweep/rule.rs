@@ -25,8 +25,8 @@ impl Rule {
         bracket: 0.0,
     };
 
-    /// The capillary numbers of a row that belong to the sweep for certain and whose result is not known. `steady` gives
-    /// the results that are known. None are left only when the row is complete.
+    /// The capillary numbers of a row that belong to the sweep for certain and whose result is not known. `steady`
+    /// gives the results that are known. None are left only when the row is complete.
     pub fn wanted(&self, row: &Row, steady: &dyn Fn(f64) -> Option<bool>) -> Vec<f64> {
         let grid = self.certain(row, steady);
         let wanted: Vec<f64> = grid.iter().copied().filter(|ca| steady(*ca).is_none()).collect();

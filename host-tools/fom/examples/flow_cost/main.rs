@@ -1,5 +1,5 @@
-//! Time of one velocity evaluation and of its parts, in double and in mixed precision, for a mesh frequency and a number
-//! of repetitions (the best counts); then what part of the processor's peak its kernels reach:
+//! Time of one velocity evaluation and of its parts, in double and in mixed precision, for a mesh frequency and a
+//! number of repetitions (the best counts); then what part of the processor's peak its kernels reach:
 //! `RAYON_NUM_THREADS=1 cargo run --release -p capsule-fom --example flow_cost -- 8 100`.
 
 mod roofline;

@@ -10,9 +10,9 @@ use capsule_fom::flow::stokeslet::{Sources, StokesletSums, add_sums};
 use capsule_gauge::{Arithmetic, least_time, peak, reading};
 use faer::Mat;
 
-/// Floating-point operations for a pair of source and target in single and in double precision: 27 that do not depend on
-/// the precision (3 differences, 5 for the square, 5 for the product with the force, 2 for the part along the distance,
-/// 12 for the sums), and 12 or 16 for the reciprocal root. Integer operations and selections are not counted.
+/// Floating-point operations for a pair of source and target in single and in double precision: 27 that do not depend
+/// on the precision (3 differences, 5 for the square, 5 for the product with the force, 2 for the part along the
+/// distance, 12 for the sums), and 12 or 16 for the reciprocal root. Integer operations and selections are not counted.
 const PAIR: [f64; 2] = [27.0 + 12.0, 27.0 + 16.0];
 /// Nine fields at a point from six nodes, and the force from load and area.
 const INTERPOLATION: f64 = 9.0 * 6.0 * 2.0 + 10.0;

@@ -3,7 +3,8 @@
 //! Each element acts through 7 points. Targets that are far from all elements see a point force a node instead,
 //! `int phi_k q dS` (the Stokeslet is interpolated by the elements' own shape functions): a quarter of the work. Its
 //! errors cancel between neighbours, so it is for all elements or none. Close to a target, an element acts through 16
-//! points on parts that are small beside their distance, or through Duffy's rule if the target is a node of the element.
+//! points on parts that are small beside their distance, or through Duffy's rule if the target is a node of the
+//! element.
 
 use rayon::prelude::*;
 

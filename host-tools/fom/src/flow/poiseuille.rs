@@ -39,7 +39,8 @@ impl Poiseuille {
     /// The axial velocity (V) at `(y, z)` in the duct.
     ///
     /// `u = G/2 [1 - y^2 - sum_n 4 (-1)^n cosh(k z) cos(k y) / (k^3 cosh k)]`, with y and z exchanged where |y| < |z|:
-    /// the hyperbolic cosine takes the smaller, so that the terms fall off like `exp(-k (1 - |z|))` as fast as they can.
+    /// the hyperbolic cosine takes the smaller, so that the terms fall off like `exp(-k (1 - |z|))` as fast as they
+    /// can.
     pub fn velocity(&self, y: f64, z: f64) -> f64 {
         let (small, large) = if y.abs() < z.abs() {
             (y.abs(), z.abs())

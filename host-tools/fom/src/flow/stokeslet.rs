@@ -1,5 +1,5 @@
-//! Sums of Stokeslets, `v(x) = sum_j J(x - y_j) f_j` with `J(d) = I / |d| + d d^T / |d|^3`: where nearly all the time of
-//! the full-order model is spent.
+//! Sums of Stokeslets, `v(x) = sum_j J(x - y_j) f_j` with `J(d) = I / |d| + d d^T / |d|^3`: where nearly all the time
+//! of the full-order model is spent.
 //!
 //! The loops run over plain slices in lanes that fill one AVX-512 register, so that the compiler turns them into
 //! vector instructions; which set (AVX-512, AVX2 with FMA, or the baseline) is chosen at run time. They exist in

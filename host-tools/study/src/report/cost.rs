@@ -142,8 +142,8 @@ pub(super) fn pareto(
 const TOLERANCE: &str = "direct, other tolerances";
 
 impl Comparison {
-    /// Measures one way: at each configuration the least time of a query with a trajectory, as another program may be in the
-    /// way; of these the median.
+    /// Measures one way: at each configuration the least time of a query with a trajectory, as another program may be
+    /// in the way; of these the median.
     fn add<T: Real>(
         &mut self,
         kind: &'static str,

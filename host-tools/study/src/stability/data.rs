@@ -1,5 +1,5 @@
-//! Databases that are not what they should be: noise, gaps, too few samples for the ranks asked for; and one that goes on
-//! to t = 200.
+//! Databases that are not what they should be: noise, gaps, too few samples for the ranks asked for; and one that goes
+//! on to t = 200.
 
 use std::path::Path;
 
@@ -192,8 +192,8 @@ fn until(sample: &Trajectory, end: f64) -> Trajectory {
     sample
 }
 
-/// A model whose snapshots reach to t = 200, stepped all the way: the error of the place that has grown between the last
-/// instant with a truth and the end is that of the speed.
+/// A model whose snapshots reach to t = 200, stepped all the way: the error of the place that has grown between the
+/// last instant with a truth and the end is that of the speed.
 fn long(small: &Small, folder: &Path) -> Result<Vec<Row>, StudyError> {
     let last = INSTANTS[INSTANTS.len() - 1];
     let mut times = small.times().to_vec();

@@ -10,8 +10,8 @@ use crate::{StudyError, name};
 /// How far apart two neighbouring queries are, as a share of each parameter.
 const APART: f64 = 1e-4;
 /// The greatest distance of their shapes and places, as a share of a: the continuity bound, by method. Each answer
-/// takes its nearest samples; where one is exchanged for another, the paper's method jumps by what the interpolation errs,
-/// the kernel by the little weight that it gives to the farthest.
+/// takes its nearest samples; where one is exchanged for another, the paper's method jumps by what the interpolation
+/// errs, the kernel by the little weight that it gives to the farthest.
 const BOUND: [(Method, f64); 2] = [(Method::Direct, 0.01), (Method::Paper, 0.03)];
 
 /// A million queries by direct evaluation, and as many by the paper's method as time allows; then anything at all.

@@ -1,5 +1,5 @@
-//! The error of each numerical cause alone: runs that differ from the production settings in one thing, compared with the
-//! finest of their kind.
+//! The error of each numerical cause alone: runs that differ from the production settings in one thing, compared with
+//! the finest of their kind.
 
 mod cases;
 mod runs;
@@ -62,8 +62,8 @@ pub struct Error {
     pub rear_depth_percent: f64,
 }
 
-/// The errors of all causes at the production settings, added up without regard to sign; the bending stiffness, which is
-/// a property of the membrane, is not among them.
+/// The errors of all causes at the production settings, added up without regard to sign; the bending stiffness, which
+/// is a property of the membrane, is not among them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Total {
     /// Capillary number.

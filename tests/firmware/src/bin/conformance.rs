@@ -1,4 +1,5 @@
-//! Asks the conformance vectors in single precision on the target; prints the lines that come out otherwise, and counts.
+//! Asks the conformance vectors in single precision on the target; prints the lines that come out otherwise, and
+//! counts.
 #![no_std]
 #![no_main]
 
