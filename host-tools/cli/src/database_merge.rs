@@ -26,9 +26,9 @@ Examples:
   capsule-rom database merge --out whole part-1 part-2
   capsule-rom database merge --out models/database --design full parts/*
 
-The parts must have the same settings and the same mesh, and a configuration that is in several must be the same in all.
-When a design is named, every configuration that a sweep over it computes must be there. The database appears whole or
-not at all.";
+The parts must have the same settings and the same mesh, and a configuration that is in several must be the same in \
+all. When a design is named, every configuration that a sweep over it computes must be there. The database appears \
+whole or not at all.";
 
 pub fn run(options: &Options) -> Result<()> {
     Merge::check(&options.out)?;

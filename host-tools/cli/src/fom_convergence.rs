@@ -33,10 +33,10 @@ Examples:
   capsule-rom fom convergence
   capsule-rom fom convergence --out docs/convergence.csv --json > convergence.json
 
-Each case differs from the production settings (*) in one thing and is compared with the last, finest one of its cause, at
-t = 8 or when the shape stands still: modified Hausdorff distance of both section outlines in the frame of the centroid
-and difference of the rear depth in per cent of a, velocity and pressure drop in per cent. A total adds up the causes at
-the production settings. It takes an hour or more.";
+Each case differs from the production settings (*) in one thing and is compared with the last, finest one of its \
+cause, at t = 8 or when the shape stands still: modified Hausdorff distance of both section outlines in the frame of \
+the centroid and difference of the rear depth in per cent of a, velocity and pressure drop in per cent. A total adds \
+up the causes at the production settings. It takes an hour or more.";
 
 pub fn run(options: &Options) -> Result<()> {
     if options.workers == 0 {

@@ -46,8 +46,8 @@ Examples:
   capsule-rom fom integrators
   capsule-rom fom integrators --ca 0.10 --steps 1e-2,5e-3 --plot integrators.svg
 
-The error is the greatest distance of a node, over a, from where the stabilised scheme with a tolerance of 1e-9 has it at
-the last instant.";
+The error is the greatest distance of a node, over a, from where the stabilised scheme with a tolerance of 1e-9 has \
+it at the last instant.";
 
 pub fn run(options: &Options) -> Result<()> {
     let mut outputs = Outputs::default().figure("--plot", options.plot.as_deref()).checked()?;

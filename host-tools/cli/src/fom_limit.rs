@@ -24,8 +24,8 @@ Examples:
   capsule-rom fom limit
   capsule-rom fom limit --database coarse --json
 
-For each confinement: the greatest capillary number with a steady state, the least one above it without, and the middle
-between them, an estimate of the limit to half the bracket.";
+For each confinement: the greatest capillary number with a steady state, the least one above it without, and the \
+middle between them, an estimate of the limit to half the bracket.";
 
 /// What is printed as JSON.
 #[derive(Serialize)]

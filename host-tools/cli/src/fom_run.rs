@@ -48,7 +48,7 @@ Examples:
   capsule-rom fom run --ca 0.10 --confinement 0.90
   capsule-rom fom run --ca 0.10 --confinement 0.90 --mesh 13 --json > run.json
   capsule-rom fom run --ca 0.05 --confinement 1.00 --integrator ralston --step 5e-4 --out run/
-  capsule-rom fom run --ca 0.10 --confinement 0.90 --fields tension,load,energy --npz fields.npz --out run/";
+  capsule-rom fom run --ca 0.10 --confinement 0.90 --fields tension,load --npz fields.npz";
 
 /// The database's folder in that of --out.
 const SNAPSHOTS: &str = "snapshots";

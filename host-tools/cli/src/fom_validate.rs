@@ -28,8 +28,8 @@ Examples:
   capsule-rom fom validate
   capsule-rom fom validate --json > validation.json
 
-Each row is computed anew, by this solver at meshes 5 to 13; the last ones are read from the database. `harmonics` and
-`elements` are the two discretisations of the membrane (fom run --membrane). It takes some minutes.
+Each row is computed anew, by this solver at meshes 5 to 13; the last ones are read from the database. `harmonics` \
+and `elements` are the two discretisations of the membrane (fom run --membrane). It takes some minutes.
 
 Exit code 1 if a difference exceeds its tolerance.";
 

@@ -57,16 +57,16 @@ const EXAMPLES: &str = "\
 Examples:
   capsule-rom predict --ca 0.10 --confinement 0.90 --t 0.4,3,6,9
   capsule-rom predict --ca 0.03 --confinement 1.10 --t 8 --method paper --json
-  capsule-rom predict --ca 0.10 --confinement 0.90 --t 0,0.4,3,6,9 --vtu paraview/ --csv table.csv --plot sections.png
-  capsule-rom predict --ca 0.05 --confinement 1.00 --t 5 --fields tension,load,energy --vtu paraview/ --json
+  capsule-rom predict --ca 0.10 --confinement 0.90 --t 0,3,9 --vtu paraview/ --plot sections.svg
+  capsule-rom predict --ca 0.05 --confinement 1.00 --t 5 --fields tension,load --vtu paraview/
   capsule-rom predict --model data.crom --parameters flow_rate=1.2,stiffness=0.4 --t 0.5,1
-  capsule-rom predict --model data.crom --parameters '\"Q, flow\"=1.2' --parameters stiffness=0.4 --t 0.5,1
+  capsule-rom predict --model data.crom --parameters '\"Q, flow\"=1.2' --parameters G=0.4 --t 0.5,1
 
-Capsules in the channel are computed in single precision: the same bits as in the browser and on a microcontroller.
-expected_error is the distance to the full-order model (neo-Hookean, with the bending stiffness that the answer names)
-as a fraction of a: modified Hausdorff distance in the laboratory frame. 95 of 100 errors are below error_bound.
-With --extrapolate expected_error is a guess and there is no bound. Of a model of other people's data it is the mean
-distance of the nodes to their solution.";
+Capsules in the channel are computed in single precision: the same bits as in the browser and on a microcontroller. \
+expected_error is the distance to the full-order model (neo-Hookean, with the bending stiffness that the answer \
+names) as a fraction of a: modified Hausdorff distance in the laboratory frame. 95 of 100 errors are below \
+error_bound. With --extrapolate expected_error is a guess and there is no bound. Of a model of other people's data it \
+is the mean distance of the nodes to their solution.";
 
 #[derive(Clone, Copy, ValueEnum)]
 pub enum MethodName {

@@ -42,9 +42,10 @@ Examples:
   capsule-rom study fresh --t 4.2,6.2,9,13,17     # instants that the shipped model leaves out
   capsule-rom study fresh --model mine.crom --tests runs/ --json
 
-Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
-the shape alone (in the frame of the centroid), at the configurations of a test set that lie in the model's domain. Beside
-them what the model itself states: the expected error, and the bound that 95 % of the errors should stay below.";
+Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and \
+for the shape alone (in the frame of the centroid), at the configurations of a test set that lie in the model's \
+domain. Beside them what the model itself states: the expected error, and the bound that 95 % of the errors should \
+stay below.";
 
 pub fn run(options: &Options) -> Result<()> {
     let inputs = Outputs::default()

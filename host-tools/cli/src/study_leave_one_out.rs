@@ -47,9 +47,9 @@ Examples:
   capsule-rom study leave-one-out --csv errors.csv --plots plots/
   capsule-rom study leave-one-out --from data.npz
 
-Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and for
-the shape alone (in the frame of the centroid). The whole model is built anew without each sample. Errors are over the
-samples in the domain that the model answers for; those around it take part, but are not counted.";
+Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and \
+for the shape alone (in the frame of the centroid). The whole model is built anew without each sample. Errors are \
+over the samples in the domain that the model answers for; those around it take part, but are not counted.";
 
 pub fn run(options: &Options) -> Result<()> {
     let outputs = options.source.reads(Outputs::default());

@@ -30,9 +30,9 @@ Examples:
   capsule-rom study stability --plots plots/
   capsule-rom study stability --quick --json
 
-Errors are the mean distance of corresponding nodes in the laboratory frame, in per cent of a, over configurations that the
-model does not contain; a failure is no answer, or one that is wrong by more than a. It ends with exit code 1 when a
-question was answered wrongly instead of being refused.";
+Errors are the mean distance of corresponding nodes in the laboratory frame, in per cent of a, over configurations \
+that the model does not contain; a failure is no answer, or one that is wrong by more than a. It ends with exit code \
+1 when a question was answered wrongly instead of being refused.";
 
 pub fn run(options: &Options) -> Result<()> {
     let outputs = options.subject.reads(Outputs::default());

@@ -46,25 +46,46 @@ fn numbers(value: &Value) -> Vec<f64> {
         .collect()
 }
 
+/// The names under "Commands:" of a help text, but for `help` itself.
+fn commands(help: &str) -> Vec<String> {
+    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let listed = listed.take_while(|line| !line.is_empty());
+    // A description that is wrapped goes on farther to the right.
+    let names = listed.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names = names.filter_map(|line| line.split_whitespace().next());
+    names.filter(|name| *name != "help").map(str::to_owned).collect()
+}
+
 #[test]
-fn every_command_has_help_with_an_example() {
-    for command in [
-        "",
-        "fom run",
-        "fom sweep",
-        "fom limit",
-        "database merge",
-        "fom shear",
-        "offline build",
-        "predict",
-        "study leave-one-out",
-        "study speed",
-        "study scenes",
-        "completions",
-    ] {
+fn every_command_has_help_with_examples_of_one_line_each() {
+    let mut open = vec![String::new()];
+    let mut leaves = Vec::new();
+    while let Some(command) = open.pop() {
         let output = capsule_rom(&format!("{command} --help"));
         let text = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success() && text.contains("Example"), "{command}: {text}");
+        assert!(output.status.success(), "{command}: {text}");
+        let below = commands(&text);
+        open.extend(below.iter().map(|name| format!("{command} {name}").trim().to_owned()));
+        if !below.is_empty() && !command.is_empty() {
+            continue;
+        }
+        let mut examples = text
+            .lines()
+            .skip_while(|line| !line.starts_with("Example"))
+            .skip(1)
+            .peekable();
+        assert!(examples.peek().is_some(), "{command} has no example: {text}");
+        for line in examples.take_while(|line| !line.is_empty()) {
+            assert!(
+                line.starts_with("  capsule-rom "),
+                "{command}: \"{line}\" goes on from the line above"
+            );
+        }
+        leaves.push(command);
+    }
+    // The walk found commands at every depth.
+    for command in ["", "predict", "fom run", "study bending", "database merge"] {
+        assert!(leaves.iter().any(|found| found == command), "{command}: {leaves:?}");
     }
 }
 

@@ -23,15 +23,6 @@ fn fails(arguments: &str, word: &str) {
 }
 
 #[test]
-fn the_commands_have_help_with_an_example() {
-    for command in ["validate", "convergence", "integrators"] {
-        let output = capsule_rom(&format!("fom {command} --help"));
-        let text = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success() && text.contains("Example"), "{command}: {text}");
-    }
-}
-
-#[test]
 fn integrators_are_compared_and_plotted() {
     let folder = tempfile::tempdir().unwrap();
     let plot = folder.path().join("integrators.svg");

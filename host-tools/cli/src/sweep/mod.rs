@@ -44,9 +44,9 @@ Examples:
   capsule-rom fom sweep --database part-2 --mesh 13 --shard 2/8
   capsule-rom fom sweep --database models/fresh --mesh 13 --points models/fresh.csv
 
-Every configuration is recorded with its trajectory and how it ended: steady, unsteady at the end time, or stopped where
-the solver could not go on. A row of equal confinement ends --beyond grid points above its steady limit. An interrupted
-sweep goes on where it stopped when the same command is given again, and gives the same files.";
+Every configuration is recorded with its trajectory and how it ended: steady, unsteady at the end time, or stopped \
+where the solver could not go on. A row of equal confinement ends --beyond grid points above its steady limit. An \
+interrupted sweep goes on where it stopped when the same command is given again, and gives the same files.";
 
 pub fn run(options: &Options) -> Result<()> {
     interrupt::listen()?;
