@@ -20,8 +20,8 @@ pub(crate) struct Basis<T, const M: usize> {
     rows: [[T; PAPER_ROW]; M],
 }
 
-/// What may be left of a snapshot, as a share of the longest: below the error of the method by far, and above the
-/// digits in which the model is stored.
+/// Greatest part of a snapshot that may be left, as a share of the longest: below the error of the method by far, and
+/// above the digits in which the model is stored.
 const NEGLIGIBLE: f32 = 1e-4;
 
 /// How far a basis is learned.

@@ -98,7 +98,7 @@ pub enum OpenError {
         index: usize,
         /// The number found there.
         value: f32,
-        /// What would be right.
+        /// The right value.
         expected: &'static str,
     },
     /// A setting outside its range.

@@ -80,8 +80,8 @@ impl<T: Real, const M: usize> Snapshot<T, M> {
     };
 }
 
-/// What of the fit does not change within an interval of the stored instants: the snapshots around it, as differences
-/// from that at its start. Products are those of shapes.
+/// The parts of the fit that do not change within an interval of the stored instants: the snapshots around it, as
+/// differences from that at its start. Products are those of shapes.
 #[derive(Clone, Debug)]
 struct Window<T, const M: usize> {
     /// Instants for which it is the same: from the first to before the second.

@@ -18,7 +18,7 @@ const GROUPS: usize = 2;
 /// Surfaces that are kept: those of the controls.
 const SURFACES: usize = GROUPS * ORDER;
 
-/// What is kept from frame to frame for [`Evaluator::frame`](crate::Evaluator::frame), in storage of the caller's: an
+/// State kept from frame to frame for [`Evaluator::frame`](crate::Evaluator::frame), in storage of the caller's: an
 /// array, a slice, a vector.
 #[derive(Clone, Debug)]
 pub struct Playback<T, R> {

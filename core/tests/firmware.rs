@@ -15,7 +15,7 @@ fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/firmware")
 }
 
-/// What a board needs beyond the firmware's own settings, which are those of a Cortex-M4F: arguments of cargo, and
+/// Settings of a board beyond the firmware's own settings, which are those of a Cortex-M4F: arguments of cargo, and
 /// variables of the environment.
 type Board = (&'static [&'static str], &'static [(&'static str, &'static str)]);
 

@@ -1,4 +1,4 @@
-//! What the fuzz targets do with bytes, so that a test can do it too; and what they share: a small model, numbers near
+//! The fuzz targets' work on bytes, so that a test can do it too; and what they share: a small model, numbers near
 //! and far from its ranges, and what must be true of answers.
 
 mod calls;

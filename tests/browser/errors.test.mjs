@@ -1,4 +1,4 @@
-// What CapsuleExplorer says of an answer's worth: what its errors are taken against, that it is extrapolated, and that
+// How CapsuleExplorer states an answer's validity: what its errors are taken against, that it is extrapolated, and that
 // there is none.
 
 import assert from "node:assert/strict";

@@ -60,7 +60,7 @@ impl Evaluation {
     /// # Errors
     /// Parameters that the core refuses: outside the domain without `extrapolate`, not finite, too few or too many.
     pub fn prepare(&mut self, parameters: &[f64], method: &str, extrapolate: bool) -> Result<String, JsError> {
-        // What is refused leaves nothing prepared.
+        // A refusal leaves nothing prepared.
         self.query = None;
         let method = match method {
             "direct" => Method::Direct,

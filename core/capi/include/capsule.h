@@ -235,7 +235,7 @@ typedef struct capsule_model {
   uint64_t opaque[CAPSULE_MODEL_WORDS];
 } capsule_model;
 
-// What a call failed at. A field that the status does not mention is zero.
+// The cause of a failure, with its figures. A field that the status does not mention is zero.
 typedef struct capsule_error {
   // The status that the call returned.
   capsule_status status;

@@ -4,7 +4,7 @@ use crate::Status;
 use capsule_core::{EvaluateError, Model, OpenError};
 use core::ffi::c_char;
 
-/// What a call failed at. A field that the status does not mention is zero.
+/// The cause of a failure, with its figures. A field that the status does not mention is zero.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Error {

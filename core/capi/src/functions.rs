@@ -202,7 +202,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
                 query.start().read(),
             )
         };
-        // What is refused here leaves nothing prepared either.
+        // A refusal here leaves nothing prepared either.
         let refused = |workspace: &mut crate::opaque::CoreWorkspace, failed| {
             workspace.forget();
             Err(failed)

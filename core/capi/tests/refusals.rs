@@ -1,4 +1,4 @@
-//! What C may hand in by mistake is refused, with a status and an error that say what it was, and nothing else is
+//! Wrong arguments from C are refused, with a status and an error that say what it was, and nothing else is
 //! written.
 
 #[path = "../../tests/common/mod.rs"]

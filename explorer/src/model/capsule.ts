@@ -30,7 +30,7 @@ export class Capsule {
   #query: Query | undefined;
   #parameters: readonly number[] = [];
   #domain: Domain = "inside";
-  /** What has been asked of the shape at t = 0. */
+  /** Answers about the shape at t = 0, once asked for. */
   readonly #initial = new Map<Outline | "surface", Float32Array | undefined>();
 
   private constructor(model: Model, bytes: number) {

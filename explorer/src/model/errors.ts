@@ -1,6 +1,6 @@
 import type { Model } from "../wasm/capsule_wasm";
 
-/** What the errors of a model's answers are. */
+/** The kind of error that a model states. */
 export interface ErrorMeaning {
   /** The solution that they are taken against: goes with each error. */
   readonly against: string;

@@ -134,7 +134,7 @@ export class TimeAxis {
     return values.length === 0 ? undefined : [Math.min(...values), Math.max(...values)];
   }
 
-  /** What the curve's height spans: never less than what the read-out's digits can tell apart. */
+  /** The range of the curve's height: never less than what the read-out's digits can tell apart. */
   #range(): readonly [number, number] | undefined {
     const extremes = this.#extremes();
     if (this.#course === undefined || extremes === undefined) return undefined;

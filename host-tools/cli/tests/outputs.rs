@@ -295,7 +295,7 @@ fn devices_and_links_receive_what_is_written() {
             .unwrap()
             .starts_with("# capsule-rom")
     );
-    // What is printed and what is written would be mixed.
+    // Printed and written text would be mixed.
     let printed = std::fs::File::create(root.path().join("printed")).unwrap();
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_capsule-rom"));
     command

@@ -29,7 +29,7 @@ pub enum DatabaseError {
         path: PathBuf,
         /// The row, counted from 1.
         row: usize,
-        /// What would be right.
+        /// The right value.
         expected: &'static str,
     },
     /// Databases that should be of the same settings and mesh are not.

@@ -1,4 +1,4 @@
-//! What work costs: by a number that counts what is done with it, which repeats exactly, and by the machine's peaks,
+//! The cost of work: by a number that counts what is done with it, which repeats exactly, and by the machine's peaks,
 //! which tell how near to its limit a measured time is.
 
 mod counted;

@@ -62,7 +62,7 @@ pub enum OfflineError {
         parameters: Vec<f64>,
         /// The largest deviation of a component.
         deviation: f64,
-        /// What would be right.
+        /// The right value.
         limit: f64,
     },
     /// The mesh has no nodes along a section outline, pole to pole.
@@ -91,7 +91,7 @@ pub enum OfflineError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// The right value.
         expected: &'static str,
     },
     /// A singular value decomposition did not converge.

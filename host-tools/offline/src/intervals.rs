@@ -92,7 +92,7 @@ fn refined(intervals: usize, two: &Coarse, [four, eight]: [Option<Coarse>; 2]) -
             1.0
         }
     };
-    // What the error in the middle of an interval of the model of every other instant is multiplied by.
+    // Factor by which the error in the middle of an interval of the model of every other instant is multiplied.
     let factor = |interval: usize| {
         let Some(four) = &four else { return 1.0 };
         let wide = four.around(interval, 2);

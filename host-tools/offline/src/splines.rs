@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Order of the splines.
 const ORDER: usize = 4;
-/// What a rate counts as against a value: a third of the shorter interval beside its instant, for a control lies so far
+/// The weight of a rate against a value: a third of the shorter interval beside its instant, for a control lies so far
 /// from it.
 const RATE_SHARE: f64 = 1.0 / 3.0;
 /// The most spans of time with modes of their own.

@@ -1,4 +1,4 @@
-//! What the colours of a panel mean: a line of entries, or more, between the title and the axes, where they hide
+//! The legend of a panel's colours: a line of entries, or more, between the title and the axes, where they hide
 //! nothing.
 
 use crate::lines::Mark;

@@ -9,8 +9,8 @@ use std::path::Path;
 /// The target of browsers.
 pub const TARGET: &str = "wasm32-unknown-unknown";
 
-/// What rustc assumes of an engine, and the vectors of .cargo/config.toml; with more, wasm-opt writes modules that
-/// browsers refuse.
+/// The features that rustc assumes of an engine, and the vectors of .cargo/config.toml; with more, wasm-opt writes
+/// modules that browsers refuse.
 const RUSTC_FEATURES: [&str; 8] = [
     "--enable-bulk-memory",
     "--enable-bulk-memory-opt",

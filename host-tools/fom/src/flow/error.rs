@@ -11,7 +11,7 @@ pub enum FlowError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// The right value.
         requirement: &'static str,
     },
     /// The wall's system of equations could not be inverted.
