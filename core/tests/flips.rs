@@ -70,7 +70,8 @@ fn flip(stride: usize) {
     assert!(refused > 0 && refused < flips);
 }
 
-/// Miri is slow: there a stride that has no factor in common with the eight bits of a byte and the four bytes of a number.
+/// Miri is slow: there a stride that has no factor in common with the eight bits of a byte and the four bytes of a
+/// number.
 #[test]
 fn flipped_bits_are_refused_or_harmless() {
     flip(if cfg!(miri) { 10_007 } else { 1 });
