@@ -1,18 +1,18 @@
 //! From a model and a workspace to answers: prepare a query, go to an instant, take what is needed.
 
-use crate::dynamics::{Source, Step};
 use crate::error::{EvaluateError, finite};
 use crate::expected_error::{bound_factor, expected_error, extrapolation_error, interval_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
 use crate::linalg::{part, part_mut};
-use crate::manifold::Times;
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, Paper, Reference};
 use crate::model::{MatrixView, Model, apply};
 use crate::motion::{AXIAL_MODES, Controls, Motion, Quantity, leading};
-use crate::observables::{Lengths, Observables};
-use crate::reconstruct::{Plane, Snapshot, room};
-use crate::surface::volume;
+use crate::paper::dynamics::{Source, Step};
+use crate::paper::manifold::Times;
+use crate::surface::observables::{Lengths, Observables};
+use crate::surface::quadrature::volume;
+use crate::surface::reconstruct::{Plane, Snapshot, room};
 use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace, scratch};
 use crate::{Domain, Frame, Method, Nodes, Playback, Query, Real, Scene};
 use core::cell::Cell;

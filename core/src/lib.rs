@@ -24,35 +24,28 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod basis;
-mod dynamics;
 pub mod error;
 mod evaluator;
 mod expected_error;
 pub mod interpolate;
 mod linalg;
-mod manifold;
 pub mod mechanics;
 pub mod model;
 mod motion;
-mod observables;
-mod playback;
+mod paper;
 mod query;
 mod real;
-mod reconstruct;
 mod scene;
-mod section;
-mod spline;
 mod surface;
 mod workspace;
 
 pub use error::{EncodeError, EvaluateError, OpenError};
 pub use evaluator::{Evaluator, Instant};
 pub use model::{DIAGONAL, MIDPLANE, Model};
-pub use observables::Observables;
-pub use playback::{Playback, playback_room};
 pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query, Scheme};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};
-pub use section::{Segment, section};
+pub use surface::observables::Observables;
+pub use surface::playback::{Playback, playback_room};
+pub use surface::section::{Segment, section};
 pub use workspace::{Parts, Workspace, scratch};

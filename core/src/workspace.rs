@@ -1,11 +1,11 @@
 //! All storage of a computation, owned by the caller.
 
-use crate::dynamics::Dynamics;
 use crate::error::EvaluateError;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, MOST_COLUMNS};
 use crate::model::Vectors;
 use crate::motion::{Contracted, Controls};
+use crate::paper::dynamics::Dynamics;
 use crate::{Domain, Query, Real};
 use core::mem::offset_of;
 

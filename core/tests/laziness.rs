@@ -5,7 +5,7 @@ mod common;
 
 use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace, section};
-use capsule_gauge::{Counted, count};
+use capsule_opcount::{Counted, count};
 use common::{FUNCTIONS, Family, SHAPE_MODES};
 
 /// Constants in the code count as reads too: so many a call has at most.

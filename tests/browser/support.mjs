@@ -22,7 +22,7 @@ const ARGUMENTS = [
 export const MODEL = resolve(ROOT, process.env.CAPSULE_MODEL ?? "models/capsule.crom");
 
 /** The WebAssembly module, as `cargo xtask explore --build-only` builds it. */
-export const WASM = resolve(ROOT, "explorer/src/wasm");
+export const WASM = resolve(ROOT, "wasm/explorer/src/wasm");
 
 /** The model, opened by that module in Node. */
 export async function openModel() {
@@ -49,14 +49,14 @@ export function startBrowser(extra = []) {
   return chromium.launch({ executablePath, args: [...ARGUMENTS, ...extra] });
 }
 
-/** Serves explorer/dist on a free port, unless BASE_URL names a server. Returns its address and a way to stop it. */
+/** Serves wasm/explorer/dist on a free port, unless BASE_URL names a server. Returns its address and a way to stop it. */
 export async function serve() {
   if (process.env.BASE_URL !== undefined) {
     return { url: process.env.BASE_URL.replace(/\/?$/, "/"), stop: () => {} };
   }
-  const explorer = resolve(ROOT, "explorer");
+  const explorer = resolve(ROOT, "wasm/explorer");
   if (!existsSync(resolve(explorer, "dist/index.html"))) {
-    throw new Error("explorer/dist is missing: `cargo xtask explore --build-only` builds it");
+    throw new Error("wasm/explorer/dist is missing: `cargo xtask explore --build-only` builds it");
   }
   const port = await freePort();
   const vite = resolve(explorer, "node_modules/vite/bin/vite.js");

@@ -6,7 +6,7 @@ use super::{Deformation, Stencil, determinant, metric};
 use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
-use crate::surface::integrate;
+use crate::surface::quadrature::integrate;
 
 /// The membrane at an instant of a query; made by [`Instant::membrane`](crate::Instant::membrane). Every method
 /// computes what it returns and nothing else.

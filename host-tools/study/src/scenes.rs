@@ -1,7 +1,7 @@
 //! What a scene costs: counted, and timed beside what this machine can do at most.
 
 use capsule_core::{Method, Model};
-use capsule_gauge::{Arithmetic, Counted, count, peak, reading};
+use capsule_opcount::{Arithmetic, Counted, count, peak, reading};
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -9,7 +9,7 @@ pub struct Options {
     /// Port on 127.0.0.1
     #[arg(long, default_value_t = 4173)]
     port: u16,
-    /// Build into explorer/dist and stop
+    /// Build into wasm/explorer/dist and stop
     #[arg(long)]
     build_only: bool,
 }
@@ -25,12 +25,12 @@ pub fn explore(options: &Options) -> Result<()> {
         .with_context(|| format!("port {port} on 127.0.0.1 is taken; choose another with --port"))?;
     println!("CapsuleExplorer: http://127.0.0.1:{port}/  (Ctrl-C ends it)");
     run(&mut command_in(
-        &root().join("explorer"),
+        &root().join("wasm/explorer"),
         &format!("npx vite preview --host 127.0.0.1 --port {port} --strictPort"),
     ))
 }
 
-/// Builds `explorer/dist`: module, model and page.
+/// Builds `wasm/explorer/dist`: module, model and page.
 pub fn build() -> Result<()> {
     let model = root().join("models/capsule.crom");
     if !model.is_file() {
@@ -39,7 +39,7 @@ pub fn build() -> Result<()> {
             model.display()
         );
     }
-    setup::npm_modules("explorer")?;
+    setup::npm_modules("wasm/explorer")?;
     wasm::build()?;
-    run(&mut command_in(&root().join("explorer"), "npm run build"))
+    run(&mut command_in(&root().join("wasm/explorer"), "npm run build"))
 }

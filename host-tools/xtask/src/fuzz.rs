@@ -1,4 +1,4 @@
-//! Fuzzing: the targets of fuzz/, each from its seeds, with what it finds kept in the target directory.
+//! Fuzzing: the targets of tests/fuzz/, each from its seeds, with what it finds kept in the target directory.
 
 use crate::command::{command, on_path, run};
 use crate::{root, setup, target_directory};
@@ -43,7 +43,7 @@ pub struct Options {
 /// Replays the seeds of every target and inputs made of them: needs nothing but the stable compiler.
 pub fn replay() -> Result<()> {
     run(
-        command("cargo test --quiet --manifest-path fuzz/Cargo.toml --target-dir")
+        command("cargo test --quiet --manifest-path tests/fuzz/Cargo.toml --target-dir")
             .arg(target_directory().join("fuzz-replay")),
     )
 }
@@ -100,7 +100,7 @@ impl Target {
         let searched = self
             .cargo_fuzz("run", folder)
             .arg(&corpus)
-            .arg(root().join("fuzz/seeds").join(name))
+            .arg(root().join("tests/fuzz/seeds").join(name))
             .args(["--", "-print_final_stats=1", "-verbosity=0"])
             .arg(format!("-max_len={longest}"))
             .arg(format!("-max_total_time={seconds}"))

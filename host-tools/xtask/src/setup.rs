@@ -16,7 +16,7 @@ pub fn everything() -> Result<()> {
         rust_target(package::CORTEX_M33),
         debian_package("qemu-system-arm", "qemu-system-arm"),
         debian_package("chromium", "chromium"),
-        npm_modules("explorer"),
+        npm_modules("wasm/explorer"),
         npm_modules("tests/browser"),
     ]
     .into_iter()

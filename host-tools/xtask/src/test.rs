@@ -75,7 +75,7 @@ impl Stage {
             Self::Browser => {
                 setup::rust_target("wasm32-unknown-unknown")?;
                 setup::debian_package("chromium", "chromium")?;
-                setup::npm_modules("explorer")?;
+                setup::npm_modules("wasm/explorer")?;
                 setup::npm_modules("tests/browser")
             }
         }
@@ -118,8 +118,8 @@ impl Stage {
             Self::Browser => {
                 explore::build()?;
                 run(&mut command("cargo build --quiet --package capsule-cli"))?;
-                run(&mut command_in(&root().join("explorer"), "npm run check"))?;
-                run(&mut command_in(&root().join("explorer"), "npm run lint"))?;
+                run(&mut command_in(&root().join("wasm/explorer"), "npm run check"))?;
+                run(&mut command_in(&root().join("wasm/explorer"), "npm run lint"))?;
                 run(command_in(&root().join("tests/browser"), "npm test")
                     .env("CAPSULE_CONFORMANCE", conformance::module()?))
             }

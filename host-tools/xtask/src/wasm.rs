@@ -22,14 +22,14 @@ const RUSTC_FEATURES: [&str; 8] = [
     "--enable-simd",
 ];
 
-/// Builds `explorer/src/wasm/`.
+/// Builds `wasm/explorer/src/wasm/`.
 pub fn build() -> Result<()> {
     setup::rust_target(TARGET)?;
     run(&mut command(&format!(
         "cargo build --quiet --package capsule-wasm --profile wasm --target {TARGET}"
     )))?;
     let module = target_directory().join(TARGET).join("wasm/capsule_wasm.wasm");
-    let folder = root().join("explorer/src/wasm");
+    let folder = root().join("wasm/explorer/src/wasm");
     wasm_bindgen_cli_support::Bindgen::new()
         .input_path(&module)
         .web(true)?
@@ -41,8 +41,8 @@ pub fn build() -> Result<()> {
 
 /// Optimises a module in place, by these options of wasm-opt.
 pub fn optimise(module: &Path, options: &str) -> Result<()> {
-    setup::npm_modules("explorer")?;
-    let wasm_opt = root().join("explorer/node_modules/.bin/wasm-opt");
+    setup::npm_modules("wasm/explorer")?;
+    let wasm_opt = root().join("wasm/explorer/node_modules/.bin/wasm-opt");
     run(command(&wasm_opt.to_string_lossy())
         .args(options.split_whitespace())
         .args(RUSTC_FEATURES)

@@ -7,7 +7,7 @@ use capsule_fom::flow::dense::Dense;
 use capsule_fom::flow::patch::{Patch, PatchRule};
 use capsule_fom::flow::quadrature::TriangleRule;
 use capsule_fom::flow::stokeslet::{Sources, StokesletSums, add_sums};
-use capsule_gauge::{Arithmetic, least_time, peak, reading};
+use capsule_opcount::{Arithmetic, least_time, peak, reading};
 use faer::Mat;
 
 /// Floating-point operations for a pair of source and target in single and in double precision: 27 that do not depend

@@ -4,11 +4,11 @@
 //! membrane relaxes. Forward Euler is stable there with very small steps only, so a step is divided into as many equal
 //! parts as the learned manifold needs where it is.
 
-use crate::basis::{Basis, Learning};
 use crate::linalg::{add_scaled, dot, part_mut};
-use crate::manifold::{Manifold, Snapshot, Times};
 use crate::model::wire::Paper;
 use crate::motion::{Controls, Motion, Quantity};
+use crate::paper::basis::{Basis, Learning};
+use crate::paper::manifold::{Manifold, Snapshot, Times};
 use crate::workspace::{Factor, PAPER_ROW, Parts};
 use crate::{Real, Scheme};
 use core::mem::offset_of;

@@ -3,12 +3,14 @@
 //! The core's slices times psi (eqs. 23 and 24) are the controls of cubic splines in time. Four of them make an
 //! instant, and they are kept, so that an instant beside it costs four multiplications a coefficient.
 
+pub(crate) mod spline;
+
 use crate::Real;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, dot, part, part_mut};
 use crate::model::wire::{Field, Span};
 use crate::model::{Factors, Indices, MatrixView, Vectors};
-use crate::spline::{ORDER, Splines};
+use crate::motion::spline::{ORDER, Splines};
 use crate::workspace::Parts;
 use core::mem::offset_of;
 

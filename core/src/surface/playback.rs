@@ -8,9 +8,9 @@ use crate::Real;
 use crate::error::EvaluateError;
 use crate::linalg::{IN_PAIRS, LANES, in_vectors, part, part_mut};
 use crate::model::{MatrixView, Mesh, Model, Vectors, components};
+use crate::motion::spline::ORDER;
 use crate::motion::{Motion, Quantity};
-use crate::reconstruct::{Snapshot, room};
-use crate::spline::ORDER;
+use crate::surface::reconstruct::{Snapshot, room};
 use crate::workspace::{Prepared, Workspace};
 
 /// Groups of four controls that are kept.

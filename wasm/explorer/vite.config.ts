@@ -3,7 +3,7 @@ import { resolve } from "node:path";
 import { defineConfig, type Plugin } from "vite";
 
 /** The model that the page opens first; another one is built in with CAPSULE_MODEL=FILE. */
-const MODEL = resolve(import.meta.dirname, process.env.CAPSULE_MODEL ?? "../models/capsule.crom");
+const MODEL = resolve(import.meta.dirname, process.env.CAPSULE_MODEL ?? "../../models/capsule.crom");
 const SERVED_AS = "capsule.crom";
 
 /** Puts the model beside the page: a file of the build, and a route of the development server. */

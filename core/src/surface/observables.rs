@@ -3,7 +3,7 @@
 use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
-use crate::reconstruct::{Plane, Snapshot};
+use crate::surface::reconstruct::{Plane, Snapshot};
 
 /// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are from the two section
 /// outlines; extremes are those of the parabola through the extreme node of an outline and its two neighbours, the

@@ -1,0 +1,7 @@
+//! From reduced coordinates to what is seen: nodes, outlines, sections, volume, lengths.
+
+pub(crate) mod observables;
+pub(crate) mod playback;
+pub(crate) mod quadrature;
+pub(crate) mod reconstruct;
+pub(crate) mod section;
