@@ -282,7 +282,7 @@ pub enum EvaluateError {
         ratio: f32,
     },
     /// The query lies so far from the samples that these are one point to it: nothing can be extrapolated.
-    FarOutside {
+    BeyondExtrapolation {
         /// Distance from the centroid of the samples that take part, in their spread.
         distance: f32,
         /// The greatest that is answered.
@@ -328,9 +328,9 @@ pub enum EvaluateError {
         nodes: usize,
     },
     /// The model does not know the stress-free state, from which the mechanics follows.
-    NoSphere,
+    UnsupportedReference,
     /// The nodes near one do not determine derivatives there: the mesh is too coarse.
-    FewNodes {
+    StencilTooSmall {
         /// Its index.
         node: usize,
     },
@@ -396,7 +396,7 @@ impl EvaluateError {
                 f,
                 "no sample is near: the interpolation is {ratio:.1} times as uncertain as at any sample that was left out"
             ),
-            Self::FarOutside { distance, limit } => write!(
+            Self::BeyondExtrapolation { distance, limit } => write!(
                 f,
                 "the samples are {distance:.1} times as far as they are spread: up to {limit} times can be extrapolated"
             ),
@@ -429,11 +429,11 @@ impl EvaluateError {
             ),
             Self::NotPrepared => write!(f, "an instant was asked for before a query was prepared"),
             Self::UnknownNode { node, nodes } => write!(f, "node {node} does not exist: the mesh has {nodes} nodes"),
-            Self::NoSphere => write!(
+            Self::UnsupportedReference => write!(
                 f,
                 "the mechanics of the membrane is known only where the stress-free state is a sphere of radius a/l"
             ),
-            Self::FewNodes { node } => write!(
+            Self::StencilTooSmall { node } => write!(
                 f,
                 "the nodes around node {node} do not determine derivatives: the mesh is too coarse"
             ),

@@ -3,7 +3,7 @@
 use crate::error::{EvaluateError, finite};
 use crate::expected_error::{bound_factor, expected_error, extrapolation_error, interval_error};
 use crate::interpolate::{Coordinates, Weights, ridge_rows};
-use crate::linalg::{part, part_mut};
+use crate::linalg::{slice_or_empty, slice_or_empty_mut};
 use crate::mechanics::Membrane;
 use crate::model::wire::{Cluster, Errors, Paper, Reference};
 use crate::model::{MatrixView, Model, apply};
@@ -13,7 +13,7 @@ use crate::paper::manifold::Times;
 use crate::surface::observables::{Lengths, Observables};
 use crate::surface::quadrature::volume;
 use crate::surface::reconstruct::{Plane, Snapshot, room};
-use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace, scratch};
+use crate::workspace::{Coefficients, Factor, PAPER_MODES, Prepared, Workspace, scratch_len};
 use crate::{Domain, Frame, Method, Nodes, Playback, Query, Real, Scene};
 use core::cell::Cell;
 
@@ -28,7 +28,7 @@ pub struct Evaluator<
     const K: usize = 129,
     const M: usize = 16,
     const N: usize = 32,
-    const S: usize = { scratch(16, 32) },
+    const S: usize = { scratch_len(16, 32) },
 > {
     model: &'a Model<'a>,
     workspace: &'a mut Workspace<T, K, M, N, S>,
@@ -88,7 +88,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         {
             return Ok(prepared.domain);
         }
-        self.workspace.forget();
+        self.workspace.invalidate();
         let mut domain = self.judge(query)?;
         let contents = self.model.contents();
         let cluster = self.model.cluster(&query.parameters);
@@ -119,9 +119,9 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// Checks a query's numbers and its place.
     fn judge(&self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         /// Of a scaled parameter.
-        const GREATEST: f32 = 1e6;
-        const LEAST: f32 = 1e-6;
-        const MOST_STEPS: f32 = 1e5;
+        const MAX: f32 = 1e6;
+        const MIN: f32 = 1e-6;
+        const MAX_STEPS: f32 = 1e5;
         let end_time = self.model.end_time();
         let contents = self.model.contents();
         let ranges = &contents.metadata.parameters;
@@ -133,23 +133,23 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
             });
         }
         let least = match contents.mesh.reference {
-            Reference::Sphere => LEAST,
-            Reference::Shape { .. } => -GREATEST,
+            Reference::Sphere => MIN,
+            Reference::Shape { .. } => -MAX,
         };
         let scaled = self.model.scaled(&query.parameters);
         for (index, (scaled, range)) in scaled.as_slice().iter().zip(ranges).enumerate() {
-            if !lies_in(*scaled, least, GREATEST) {
+            if !lies_in(*scaled, least, MAX) {
                 let [origin, scale] = [range.origin as f32, range.scale as f32];
                 return Err(EvaluateError::Parameter {
                     index,
                     value: query.parameters.get(index).to_f32(),
                     min: origin + scale * least,
-                    max: origin + scale * GREATEST,
+                    max: origin + scale * MAX,
                 });
             }
         }
         if let Some(step) = query.step {
-            within("the step", step, end_time / MOST_STEPS, end_time)?;
+            within("the step", step, end_time / MAX_STEPS, end_time)?;
         }
         let domain = self.model.domain(query.parameters)?;
         if query.extrapolate {
@@ -252,7 +252,7 @@ pub struct Instant<
     const K: usize = 129,
     const M: usize = 16,
     const N: usize = 32,
-    const S: usize = { scratch(16, 32) },
+    const S: usize = { scratch_len(16, 32) },
 > {
     model: &'a Model<'a>,
     cluster: &'a Cluster<'a>,
@@ -496,12 +496,12 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// centroid's frame.
     ///
     /// # Errors
-    /// [`EvaluateError::NoSphere`] for a model whose stress-free state is not known;
+    /// [`EvaluateError::UnsupportedReference`] for a model whose stress-free state is not known;
     /// [`EvaluateError::BufferTooShort`]; [`EvaluateError::NotFinite`].
     #[inline(never)]
     pub fn membrane<'s>(&mut self, sector: &'s mut [[T; 3]]) -> Result<Membrane<'a, 's, T>, EvaluateError> {
         if !matches!(self.model.contents().mesh.reference, Reference::Sphere) {
-            return Err(EvaluateError::NoSphere);
+            return Err(EvaluateError::UnsupportedReference);
         }
         let mesh = self.model.mesh();
         let sector = room(sector, mesh.sector_nodes().len())?;
@@ -626,7 +626,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         };
         // They are computed in place, the translation's first: a stack has no room for them.
         computed.t = None;
-        let out = part_mut(computed.shape.values.as_flattened_mut(), 0..modes.columns() + 1);
+        let out = slice_or_empty_mut(computed.shape.values.as_flattened_mut(), 0..modes.columns() + 1);
         let motion = Motion::new(&self.cluster.field, weights, contracted);
         match self.query.method {
             Method::Direct => {
@@ -648,7 +648,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         for (place, next) in places.iter().zip(places.iter().skip(1)) {
             place.set(next.get());
         }
-        let count = leading(part(out, 0..modes.columns()), negligible);
+        let count = leading(slice_or_empty(out, 0..modes.columns()), negligible);
         computed.t = Some(t);
         computed.judge(modes.columns());
         computed.shape.ready(&modes, count);

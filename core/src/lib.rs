@@ -46,6 +46,6 @@ pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query, Scheme};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};
 pub use surface::observables::Observables;
-pub use surface::playback::{Playback, playback_room};
+pub use surface::playback::{Playback, playback_len};
 pub use surface::section::{Segment, section};
-pub use workspace::{Parts, Workspace, scratch};
+pub use workspace::{Parts, Workspace, scratch_len};

@@ -42,7 +42,7 @@ pub trait Real:
     /// Two zeros.
     const NO_PAIR: Self::Pair;
     /// The greatest factor: 500 products of it and of entries are a whole.
-    const GREATEST_FACTOR: Self;
+    const MAX_FACTOR: Self;
 
     /// The nearest factors to two numbers, neither beyond the greatest.
     fn pair(first: Self, second: Self) -> Self::Pair;
@@ -150,7 +150,7 @@ macro_rules! real {
 real!(f32, i32, capsule_dsp::sqrt, libm::expf, {
     type Pair = u32;
     const NO_PAIR: u32 = 0;
-    const GREATEST_FACTOR: f32 = 32767.0;
+    const MAX_FACTOR: f32 = 32767.0;
 
     #[inline(always)]
     fn pair(first: f32, second: f32) -> u32 {
@@ -175,7 +175,7 @@ real!(f32, i32, capsule_dsp::sqrt, libm::expf, {
 real!(f64, i64, libm::sqrt, libm::exp, {
     type Pair = [i64; 2];
     const NO_PAIR: [i64; 2] = [0; 2];
-    const GREATEST_FACTOR: f64 = (1_u64 << 46) as f64;
+    const MAX_FACTOR: f64 = (1_u64 << 46) as f64;
 
     fn pair(first: f64, second: f64) -> [i64; 2] {
         // As for singles.

@@ -2,7 +2,7 @@
 
 use crate::error::EvaluateError;
 use crate::interpolate::Weights;
-use crate::linalg::{LANES, MOST_COLUMNS};
+use crate::linalg::{LANES, MAX_COLUMNS};
 use crate::model::Vectors;
 use crate::motion::{Contracted, Controls};
 use crate::paper::dynamics::Dynamics;
@@ -13,13 +13,13 @@ use core::mem::offset_of;
 /// that nothing is computed twice as long as the query stays.
 ///
 /// Capacities: `K` modes (K, translation included, and K_c), at most 256, `M` local modes (m_u, m_v), `N` samples that
-/// take part in a query, and `S` numbers of scratch: at least [`scratch`] of `M` and `N`. With `M` = 0
+/// take part in a query, and `S` numbers of scratch: at least [`scratch_len`] of `M` and `N`. With `M` = 0
 /// [`Method::Paper`](crate::Method::Paper) is refused, and neither its storage nor its code is there:
 ///
 /// ```
-/// use capsule_core::{Workspace, scratch};
+/// use capsule_core::{Workspace, scratch_len};
 ///
-/// type Direct = Workspace<f32, 129, 0, 16, { scratch(0, 16) }>;
+/// type Direct = Workspace<f32, 129, 0, 16, { scratch_len(0, 16) }>;
 /// assert!(size_of::<Direct>() < size_of::<Workspace<f32>>() / 2);
 /// ```
 ///
@@ -31,7 +31,7 @@ pub struct Workspace<
     const K: usize = 129,
     const M: usize = 16,
     const N: usize = 32,
-    const S: usize = { scratch(16, 32) },
+    const S: usize = { scratch_len(16, 32) },
 > {
     pub(crate) prepared: Option<Prepared<T>>,
     /// The instant of an extrapolated query at which the shape was found plausible.
@@ -62,11 +62,11 @@ pub(crate) const SNAPSHOTS: usize = 64;
 
 /// The most modes: twice as many digits, each at most 128 times the greatest factor of singles, 32,767, are a sum below
 /// 2^31.
-const MOST_MODES: usize = 256;
+const MAX_MODES: usize = 256;
 
 /// Numbers of scratch that a [`Workspace`] of `M` local modes and `N` samples needs.
-pub const fn scratch(local_modes: usize, neighbours: usize) -> usize {
-    let interpolation = (MOST_COLUMNS + neighbours) * neighbours;
+pub const fn scratch_len(local_modes: usize, neighbours: usize) -> usize {
+    let interpolation = (MAX_COLUMNS + neighbours) * neighbours;
     let factor = if local_modes > 0 { PAPER_ROW * SNAPSHOTS } else { 0 };
     if interpolation > factor { interpolation } else { factor }
 }
@@ -103,11 +103,11 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
     /// Judges the first of its values before any node is written to a caller's buffer: no entry of a mode is beyond
     /// 1e6, so that all nodes are finite where these are bounded.
     pub(crate) fn judge(&mut self, modes: usize) {
-        const MOST: f32 = 1e30;
+        const MAX: f32 = 1e30;
         let values = self.shape.values.as_flattened().iter().take(modes);
         let sum = values.fold(self.translation.abs(), |sum, value| sum + value.abs());
         // A NaN is not within.
-        self.bounded = sum <= T::from_f32(MOST);
+        self.bounded = sum <= T::from_f32(MAX);
     }
 
     /// Refuses coefficients that could lead to a node that is not finite.
@@ -124,8 +124,8 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
     /// An empty workspace.
     pub const fn new() -> Self {
         const {
-            assert!(S >= scratch(M, N), "the work must fit into the scratch");
-            assert!(K <= MOST_MODES, "sums of products must not overflow")
+            assert!(S >= scratch_len(M, N), "the work must fit into the scratch");
+            assert!(K <= MAX_MODES, "sums of products must not overflow")
         };
         Self {
             prepared: None,
@@ -155,13 +155,13 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Wo
     }
 
     /// Forgets what belongs to a query: the next one is computed anew, whatever the storage holds.
-    pub fn forget(&mut self) {
+    pub fn invalidate(&mut self) {
         self.prepared = None;
         self.plausible = None;
         self.displacement.t = None;
         self.velocity.t = None;
-        self.controls.forget();
-        self.dynamics.forget();
+        self.controls.invalidate();
+        self.dynamics.invalidate();
     }
 }
 

@@ -5,7 +5,7 @@ mod common;
 
 use capsule_core::error::{EvaluateError, OpenError};
 use capsule_core::model::wire::{Contents, Matrix};
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace, scratch};
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace, scratch_len};
 use common::{Arena, Family, distance, write};
 
 /// A model that needs 15 parameter modes, 4 local modes and 15 neighbours: for the paper's method 12 and the ridge's 3
@@ -115,8 +115,8 @@ fn a_model_that_is_one_too_large_is_refused() {
 #[test]
 fn without_local_modes_the_direct_method_answers_as_ever_and_the_other_is_refused() {
     let file = modest(|_| ());
-    let all = direct::<129, 16, 32, { scratch(16, 32) }>(&file);
-    assert_eq!(direct::<15, 0, 15, { scratch(0, 15) }>(&file), all);
+    let all = direct::<129, 16, 32, { scratch_len(16, 32) }>(&file);
+    assert_eq!(direct::<15, 0, 15, { scratch_len(0, 15) }>(&file), all);
     lacks::<15, 0, 15>("local displacement modes", &modest(|c| c.paper.displacement_rank = 1));
 }
 
@@ -195,7 +195,8 @@ fn extrapolation_that_goes_too_far() {
         let far = 10_f32.powi(power);
         for method in [Method::Direct, Method::Paper] {
             let found = axial_length(method, far);
-            let refused = matches!(found, Err(EvaluateError::FarOutside { distance, limit }) if distance > limit);
+            let refused =
+                matches!(found, Err(EvaluateError::BeyondExtrapolation { distance, limit }) if distance > limit);
             let linear = inside[0] + slope * (far - 0.01);
             // The paper's steps have an error of their own.
             let tolerance = if method == Method::Direct { 2e-3 } else { 1e-2 };

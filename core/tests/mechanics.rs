@@ -302,7 +302,7 @@ fn readings<T: Real>(family: &Family) -> Vec<f64> {
             .borrow_mut()
             .extend([totals.area, totals.energy, totals.pressure_drop].map(T::to_f64));
         let few = Stencil::<T>::new([[T::ONE, T::ZERO, T::ZERO]; 14].into_iter(), 3);
-        assert_eq!(few.unwrap_err(), EvaluateError::FewNodes { node: 3 });
+        assert_eq!(few.unwrap_err(), EvaluateError::StencilTooSmall { node: 3 });
         let unknown = EvaluateError::UnknownNode {
             node: 1026,
             nodes: 1026,

@@ -5,7 +5,7 @@ mod common;
 use capsule_core::model::wire::Matrix;
 use capsule_core::{
     DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Scene,
-    Workspace, playback_room, scratch,
+    Workspace, playback_len, scratch_len,
 };
 use common::Family;
 use proptest::prelude::*;
@@ -240,7 +240,7 @@ fn the_papers_steps_do_not_amplify_deviations() {
 fn a_refused_query_leaves_nothing_prepared() {
     let file = Family::new(2).file();
     let model = Model::open(&file).unwrap();
-    let mut workspace = Workspace::<f32, 129, 0, 32, { scratch(0, 32) }>::new();
+    let mut workspace = Workspace::<f32, 129, 0, 32, { scratch_len(0, 32) }>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     let good = Query::new([0.1, 0.9], Method::Direct);
     let refused = [
@@ -310,7 +310,7 @@ fn an_impossible_extrapolated_shape_is_refused_at_every_door() {
                 frame: Frame::Laboratory,
             };
             let mut outline = [[0.0; 2]; 100];
-            let room = vec![0.0; playback_room(&model)];
+            let room = vec![0.0; playback_len(&model)];
             let doors = [
                 instant.positions(&scene, &mut nodes).err(),
                 instant.velocities(&scene, &mut nodes).err(),

@@ -5,7 +5,7 @@ mod common;
 use capsule_core::model::MatrixView;
 use capsule_core::{
     DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Real, Scene,
-    Workspace, playback_room, section,
+    Workspace, playback_len, section,
 };
 use common::{Family, distance};
 
@@ -276,7 +276,7 @@ fn frames_against_positions<T: Real>(method: Method) -> f64 {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<T>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let mut playback = Playback::new(vec![T::ZERO; playback_room(&model)]);
+    let mut playback = Playback::new(vec![T::ZERO; playback_len(&model)]);
     let mut found = vec![[T::ZERO; 3]; family.nodes()];
     let mut expected = found.clone();
     let mut greatest = 0.0_f64;
@@ -314,7 +314,7 @@ fn frames_need_room() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let (required, nodes) = (playback_room(&model), family.nodes());
+    let (required, nodes) = (playback_len(&model), family.nodes());
     let mut out = vec![[0.0; 3]; nodes];
     let mut frame = |prepared: bool, numbers: usize, t: f32, out: &mut [[f32; 3]]| {
         if prepared {

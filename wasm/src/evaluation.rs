@@ -3,7 +3,7 @@
 use crate::model::Shared;
 use crate::section::curves;
 use capsule_core::{
-    EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_room,
+    EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_len,
 };
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -165,7 +165,7 @@ impl Evaluation {
 
 impl Evaluation {
     pub(crate) fn new(shared: Rc<Shared>) -> Self {
-        let room = playback_room(shared.core());
+        let room = playback_len(shared.core());
         Self {
             shared,
             playback: Playback::new(vec![0.0; room]),

@@ -31,20 +31,20 @@
 #include <stdint.h>
 
 // The most modes of a field that a workspace holds, the translation included.
-#define CAPSULE_MOST_MODES 129
+#define MAX_MODES 129
 
 #if !defined(CAPSULE_DIRECT)
 // The most local modes of a field that a workspace holds.
-#define CAPSULE_MOST_LOCAL_MODES 16
+#define MAX_LOCAL_MODES 16
 #endif
 
 #if defined(CAPSULE_DIRECT)
 // None, as the library is without the paper's method.
-#define CAPSULE_MOST_LOCAL_MODES 0
+#define MAX_LOCAL_MODES 0
 #endif
 
 // The most samples that take part in a query.
-#define CAPSULE_MOST_NEIGHBOURS 32
+#define MAX_NEIGHBOURS 32
 
 #if !defined(CAPSULE_DIRECT)
 // Words of eight bytes in a workspace.
@@ -127,7 +127,7 @@ enum capsule_status
   // The result is not finite: the parameters are too far from all samples.
   CAPSULE_STATUS_NOT_FINITE = 47,
   // The model does not know the stress-free state, from which the mechanics of the membrane follows.
-  CAPSULE_STATUS_NO_SPHERE = 48,
+  CAPSULE_STATUS_UNSUPPORTED_REFERENCE = 48,
   // The model has no such outline.
   CAPSULE_STATUS_NO_OUTLINE = 49,
   // The answer is extrapolated: no bound of its error is known.

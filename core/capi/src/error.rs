@@ -150,7 +150,7 @@ impl Reason for EvaluateError {
             Self::FarFromSamples { ratio } => {
                 failure.numbers(Status::OutsideDomain, "distance from the samples", ratio, 0.0, 1.0)
             }
-            Self::FarOutside { distance, limit } => failure.numbers(
+            Self::BeyondExtrapolation { distance, limit } => failure.numbers(
                 Status::OutsideDomain,
                 "distance from the samples in their spread",
                 distance,
@@ -167,7 +167,7 @@ impl Reason for EvaluateError {
             Self::UnknownNode { node, nodes } => failure.counts(Status::UnknownNode, "", node, 0, nodes),
             Self::BufferTooShort { required, found } => failure.counts(Status::Short, "", found, required, 0),
             Self::NotFinite => Status::NotFinite.tell(failure),
-            Self::NoSphere => Status::NoSphere.tell(failure),
+            Self::UnsupportedReference => Status::UnsupportedReference.tell(failure),
             Self::UnknownNodeSet => Status::NoOutline.tell(failure),
             Self::NoBound => Status::NoBound.tell(failure),
             Self::WrongVolume { volume, min, max } => {

@@ -8,7 +8,7 @@
 
 use crate::error::{Error, Failed};
 use crate::memory::{Buffer, Bytes, Place, check, check_error};
-use crate::opaque::{MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS, SCRATCH};
+use crate::opaque::{MAX_LOCAL_MODES, MAX_MODES, MAX_NEIGHBOURS, SCRATCH};
 use crate::{Description, Domain, Membrane, Method, Model, Observables, Parameter, Query, Status, Workspace};
 use capsule_core as rom;
 use capsule_core::{Evaluator, Nodes, Scene};
@@ -16,7 +16,7 @@ use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
 
 /// cbindgen:ignore
-type Instant<'e> = rom::Instant<'e, 'static, f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS, SCRATCH>;
+type Instant<'e> = rom::Instant<'e, 'static, f32, MAX_MODES, MAX_LOCAL_MODES, MAX_NEIGHBOURS, SCRATCH>;
 
 /// What a call does; why it fails it writes into the error. The vtable of a closure would hold its body twice, for
 /// [`FnMut`] and for [`FnOnce`].
@@ -204,7 +204,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
         };
         // A refusal here leaves nothing prepared either.
         let refused = |workspace: &mut crate::opaque::CoreWorkspace, failed| {
-            workspace.forget();
+            workspace.invalidate();
             Err(failed)
         };
         let (expected, found) = (model.contents().metadata.parameters.len(), query.parameter_count);
@@ -584,10 +584,10 @@ fn holds<O>(size: usize, failure: &mut Error) -> Result<(), Failed> {
 
 /// Where a query lies, prepared or refused, of which the ranges and the steady limit say `found`.
 fn place_of(prepared: &Result<rom::Domain, rom::EvaluateError>, found: rom::Domain) -> rom::Domain {
-    use rom::EvaluateError::{FarFromSamples, FarOutside};
+    use rom::EvaluateError::{BeyondExtrapolation, FarFromSamples};
     match (prepared, found) {
         (Ok(place), _) => *place,
-        (Err(FarFromSamples { .. } | FarOutside { .. }), rom::Domain::Inside) => rom::Domain::FarFromSamples,
+        (Err(FarFromSamples { .. } | BeyondExtrapolation { .. }), rom::Domain::Inside) => rom::Domain::FarFromSamples,
         (Err(_), place) => place,
     }
 }

@@ -19,8 +19,8 @@ mod values;
 pub use error::Error;
 pub use functions::*;
 pub use opaque::{
-    MODEL_ALIGNMENT, MODEL_SIZE, MODEL_WORDS, MOST_LOCAL_MODES, MOST_MODES, MOST_NEIGHBOURS, Model,
-    WORKSPACE_ALIGNMENT, WORKSPACE_SIZE, WORKSPACE_WORDS, Workspace,
+    MAX_LOCAL_MODES, MAX_MODES, MAX_NEIGHBOURS, MODEL_ALIGNMENT, MODEL_SIZE, MODEL_WORDS, Model, WORKSPACE_ALIGNMENT,
+    WORKSPACE_SIZE, WORKSPACE_WORDS, Workspace,
 };
 pub use status::Status;
 pub use values::{Description, Domain, Frame, Membrane, Method, Observables, Outline, Parameter, Query};

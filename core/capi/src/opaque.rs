@@ -7,15 +7,15 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 
 /// The most modes of a field that a workspace holds, the translation included.
-pub const MOST_MODES: usize = 129;
+pub const MAX_MODES: usize = 129;
 /// The most local modes of a field that a workspace holds.
 #[cfg(not(feature = "direct"))]
-pub const MOST_LOCAL_MODES: usize = 16;
+pub const MAX_LOCAL_MODES: usize = 16;
 /// None, as the library is without the paper's method.
 #[cfg(feature = "direct")]
-pub const MOST_LOCAL_MODES: usize = 0;
+pub const MAX_LOCAL_MODES: usize = 0;
 /// The most samples that take part in a query.
-pub const MOST_NEIGHBOURS: usize = 32;
+pub const MAX_NEIGHBOURS: usize = 32;
 
 /// Words of eight bytes in a workspace.
 #[cfg(not(feature = "direct"))]
@@ -49,9 +49,9 @@ pub struct Workspace {
 }
 
 /// cbindgen:ignore
-pub(crate) const SCRATCH: usize = rom::scratch(MOST_LOCAL_MODES, MOST_NEIGHBOURS);
+pub(crate) const SCRATCH: usize = rom::scratch_len(MAX_LOCAL_MODES, MAX_NEIGHBOURS);
 /// cbindgen:ignore
-pub(crate) type CoreWorkspace = rom::Workspace<f32, MOST_MODES, MOST_LOCAL_MODES, MOST_NEIGHBOURS, SCRATCH>;
+pub(crate) type CoreWorkspace = rom::Workspace<f32, MAX_MODES, MAX_LOCAL_MODES, MAX_NEIGHBOURS, SCRATCH>;
 
 /// An opaque object of the interface, and what it holds. The tag tells memory that was set up from memory that was not.
 pub(crate) trait Opaque: Sized {

@@ -58,7 +58,7 @@ pub enum Status {
     /// The result is not finite: the parameters are too far from all samples.
     NotFinite = 47,
     /// The model does not know the stress-free state, from which the mechanics of the membrane follows.
-    NoSphere = 48,
+    UnsupportedReference = 48,
     /// The model has no such outline.
     NoOutline = 49,
     /// The answer is extrapolated: no bound of its error is known.
@@ -108,7 +108,7 @@ impl Status {
             c"the result is not finite: the parameters are too far from all samples",
         ),
         (
-            Self::NoSphere,
+            Self::UnsupportedReference,
             c"the model does not know the membrane's stress-free state",
         ),
         (Self::NoOutline, c"the model has no such outline"),

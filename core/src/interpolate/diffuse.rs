@@ -8,7 +8,7 @@
 
 use super::{Coordinates, Search, Storage, Weights};
 use crate::error::EvaluateError;
-use crate::linalg::{Qr, part};
+use crate::linalg::{Qr, slice_or_empty};
 use crate::model::wire::{Paper, Samples};
 use crate::{Parameters, Real};
 
@@ -66,7 +66,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         self.count = (0..self.count).take_while(|j| near(self.distance(j + 1))).count();
         let n = self.count;
         let mut roots = [T::ZERO; N];
-        for (square, root) in part(&self.values, 0..n).iter().zip(&mut roots) {
+        for (square, root) in slice_or_empty(&self.values, 0..n).iter().zip(&mut roots) {
             let share = if radius > T::ZERO {
                 square.sqrt() / radius
             } else {

@@ -7,7 +7,7 @@
 
 use super::{Coordinates, Search, Storage, Weights, covariance, minus, square};
 use crate::error::EvaluateError;
-use crate::linalg::{Qr, cholesky, dot_in_order, part, part_mut, symmetric_times};
+use crate::linalg::{Qr, cholesky, dot_in_order, slice_or_empty, slice_or_empty_mut, symmetric_times};
 use crate::model::MatrixView;
 use crate::model::wire::{Kernel, MAX_PARAMETERS, Matrix, Samples};
 use crate::{Parameters, Real};
@@ -44,7 +44,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
     ///
     /// # Errors
     /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart;
-    /// [`EvaluateError::FarOutside`]; [`EvaluateError::BufferTooShort`] for the scratch.
+    /// [`EvaluateError::BeyondExtrapolation`]; [`EvaluateError::BufferTooShort`] for the scratch.
     #[inline(never)]
     pub fn kernel(
         &mut self,
@@ -80,9 +80,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
             self.beyond(coordinates, &samples.parameters, query, column);
             count += 1;
         }
-        let qr = Qr::new(n, part_mut(columns, 0..count));
-        let matrix = part_mut(matrix, 0..n);
-        let offsets = part(&self.offsets, 0..n);
+        let qr = Qr::new(n, slice_or_empty_mut(columns, 0..count));
+        let matrix = slice_or_empty_mut(matrix, 0..n);
+        let offsets = slice_or_empty(&self.offsets, 0..n);
         for (i, (row, a)) in matrix.iter_mut().zip(offsets).enumerate() {
             for (value, b) in row.iter_mut().zip(offsets).take(i) {
                 *value = covariance(DEGREE, square(minus(*a, *b)));
@@ -106,7 +106,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         qr.transpose_times(&mut right);
         qr.conjugate(matrix);
         let mut y = right;
-        part_mut(&mut y, 0..qr.rank()).fill(T::ZERO);
+        slice_or_empty_mut(&mut y, 0..qr.rank()).fill(T::ZERO);
         cholesky::solve(matrix, qr.rank(), &mut y);
         variance += dot_in_order(&y, &right);
         qr.times(&mut y);
@@ -115,7 +115,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         }
         self.normalise()?;
         // What the scatter adds is not the kernel's.
-        let weighted = self.values.iter().zip(part(&self.offsets, 0..n));
+        let weighted = self.values.iter().zip(slice_or_empty(&self.offsets, 0..n));
         let scattered = weighted.fold(T::ZERO, |sum, (weight, offset)| {
             sum + scatter(square(*offset)) * *weight * *weight
         });
@@ -127,7 +127,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
     fn beyond(&self, coordinates: &Coordinates<'_>, samples: &Matrix<'_>, query: &Parameters<T>, column: &mut [T; N]) {
         let samples = MatrixView::new(samples);
         column.fill(T::ZERO);
-        for (entry, sample) in column.iter_mut().zip(part(&self.samples, 0..self.count)) {
+        for (entry, sample) in column.iter_mut().zip(slice_or_empty(&self.samples, 0..self.count)) {
             let parameter = |d| T::from_f32(samples.get((*sample).into(), d));
             let apart = coordinates.apart(query.array(), [parameter(0), parameter(1)]);
             *entry = if apart { T::ONE } else { T::ZERO };

@@ -7,10 +7,10 @@ pub(crate) mod neighbours;
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{MOST_COLUMNS, part, part_mut};
+use crate::linalg::{MAX_COLUMNS, slice_or_empty, slice_or_empty_mut};
 use crate::model::Curve;
 use crate::model::wire::{MAX_PARAMETERS, Matrix};
-use crate::workspace::scratch;
+use crate::workspace::scratch_len;
 pub use coordinates::Coordinates;
 pub(crate) use diffuse::{ridge_rows, weight};
 use neighbours::Nearest;
@@ -75,8 +75,10 @@ impl<T: Real> Search<'_, '_, T> {
     /// last, for samples come in rows of equal a/l.
     fn apart(&self, sample: usize, known: &mut (T, Option<T>)) -> bool {
         let (numbers, _) = self.parameters.blob.data.as_chunks::<4>();
-        let (Some(side), Some([first, second])) = (self.side, part(numbers, 2 * sample..2 * sample + 2).as_array())
-        else {
+        let (Some(side), Some([first, second])) = (
+            self.side,
+            slice_or_empty(numbers, 2 * sample..2 * sample + 2).as_array(),
+        ) else {
             return false;
         };
         let confinement = value(second);
@@ -89,7 +91,7 @@ impl<T: Real> Search<'_, '_, T> {
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Numbers that the computation needs beside the weights: the monomials' columns and the kernel's matrix.
-    pub const SCRATCH: usize = scratch(0, N);
+    pub const SCRATCH: usize = scratch_len(0, N);
 
     /// No weights.
     pub const EMPTY: Self = Self {
@@ -175,7 +177,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let scale = if radius > T::ZERO { T::ONE / radius } else { T::ZERO };
         let mut centroid = [T::ZERO; MAX_PARAMETERS];
         let share = T::ONE / T::from_index(self.count.max(1));
-        let offsets = part_mut(&mut self.offsets, 0..self.count);
+        let offsets = slice_or_empty_mut(&mut self.offsets, 0..self.count);
         for offset in &mut *offsets {
             for (x, mean) in offset.iter_mut().zip(&mut centroid) {
                 *x *= scale;
@@ -190,7 +192,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
         if square(centroid) <= limit * limit * spread {
             return Ok(());
         }
-        Err(EvaluateError::FarOutside {
+        Err(EvaluateError::BeyondExtrapolation {
             distance: (square(centroid) / spread).sqrt().to_f32(),
             limit: REACH,
         })
@@ -200,18 +202,18 @@ impl<T: Real, const N: usize> Weights<T, N> {
     /// two. The other entries are zeros.
     fn monomials<'s>(&self, columns: &'s mut [[T; N]]) -> &'s mut [[T; N]] {
         let p = self.dimensions;
-        let columns = part_mut(columns, 0..1 + p + ridge_rows(p));
+        let columns = slice_or_empty_mut(columns, 0..1 + p + ridge_rows(p));
         columns.as_flattened_mut().fill(T::ZERO);
         for (j, offset) in self.offsets.iter().enumerate().take(self.count) {
             let mut entries = columns.iter_mut().filter_map(|column| column.get_mut(j));
-            let offset = part(offset, 0..p);
+            let offset = slice_or_empty(offset, 0..p);
             entries.by_ref().take(1).for_each(|entry| *entry = T::ONE);
             // The entries come second: a zip takes from the first before it sees that the second has no more.
             for (x, entry) in offset.iter().zip(entries.by_ref()) {
                 *entry = *x;
             }
             for (d, x) in offset.iter().enumerate() {
-                for (y, entry) in part(offset, d..p).iter().zip(entries.by_ref()) {
+                for (y, entry) in slice_or_empty(offset, d..p).iter().zip(entries.by_ref()) {
                     *entry = *x * *y;
                 }
             }
@@ -221,7 +223,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
 
     /// Checks that the weights sum to 1 but for rounding, and takes the rounding away.
     fn normalise(&mut self) -> Result<(), EvaluateError> {
-        let values = part_mut(&mut self.values, 0..self.count);
+        let values = slice_or_empty_mut(&mut self.values, 0..self.count);
         let sum = values.iter().copied().sum::<T>();
         if (sum - T::ONE).abs() > T::EPSILON.sqrt() || !sum.is_finite() {
             return Err(EvaluateError::Weights { sum: sum.to_f32() });
@@ -243,7 +245,10 @@ impl<T: Real, const N: usize> Weights<T, N> {
 
     /// The samples that take part, and their weights.
     pub(crate) fn parts(&self) -> (&[u16], &[T]) {
-        (part(&self.samples, 0..self.count), part(&self.values, 0..self.count))
+        (
+            slice_or_empty(&self.samples, 0..self.count),
+            slice_or_empty(&self.values, 0..self.count),
+        )
     }
 
     /// sum |L_j|: how much noise in the data may grow.
@@ -279,10 +284,10 @@ impl<T: Real, const N: usize> Weights<T, N> {
     fn quadratic_form(&self) -> T {
         let two = T::from_f32(2.0);
         let mut sum = T::ZERO;
-        let offsets = part(&self.offsets, 0..self.count);
+        let offsets = slice_or_empty(&self.offsets, 0..self.count);
         for (i, (value, offset)) in self.values.iter().zip(offsets).enumerate() {
             let mut row = -covariance(self.degree, square(*offset));
-            for (other, place) in self.values.iter().zip(part(offsets, 0..i)) {
+            for (other, place) in self.values.iter().zip(slice_or_empty(offsets, 0..i)) {
                 row += *other * covariance(self.degree, square(minus(*offset, *place)));
             }
             sum += two * *value * row;
@@ -301,7 +306,7 @@ impl<'s, T: Real, const N: usize> Storage<'s, T, N> {
     fn new(scratch: &'s mut [T]) -> Result<Self, EvaluateError> {
         let (required, found) = (Weights::<T, N>::SCRATCH, scratch.len());
         let (rows, _) = scratch.as_chunks_mut::<N>();
-        match rows.split_at_mut_checked(MOST_COLUMNS) {
+        match rows.split_at_mut_checked(MAX_COLUMNS) {
             Some((columns, matrix)) if matrix.len() >= N => Ok(Self { columns, matrix }),
             _ => Err(EvaluateError::BufferTooShort { required, found }),
         }

@@ -1,7 +1,7 @@
 //! The samples nearest to a query, or the nodes nearest to a node.
 
 use crate::Real;
-use crate::linalg::part_mut;
+use crate::linalg::slice_or_empty_mut;
 
 /// The nearest of the things that it was given, at most `N`. Their offsets stay where they were put, only the order is
 /// kept up.
@@ -61,7 +61,7 @@ impl<T: Real, const P: usize, const N: usize> Nearest<T, P, N> {
         }
         // The farthest makes room.
         self.count = (self.count + 1).min(self.wanted);
-        let kept = part_mut(&mut self.order, 0..self.count);
+        let kept = slice_or_empty_mut(&mut self.order, 0..self.count);
         let Some(Neighbour { slot, .. }) = kept.last().copied() else {
             return;
         };

@@ -1,6 +1,6 @@
 //! Cholesky solution of a small positive definite system.
 
-use super::{add_scaled, dot_in_order, part, part_mut};
+use super::{add_scaled, dot_in_order, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
 
 /// Solves the trailing block, from row and column `first` on, of a symmetric matrix for the same entries of `b`, in
@@ -20,7 +20,7 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
             let Some((done, [value, ..])) = row.split_at_mut_checked(j) else {
                 return;
             };
-            let sum = dot_in_order(part(done, first..j), part(earlier, first..j));
+            let sum = dot_in_order(slice_or_empty(done, first..j), slice_or_empty(earlier, first..j));
             *value = quotient(*value - sum, entry(earlier, j));
         }
         let Some((done, [pivot, ..])) = row.split_at_mut_checked(i) else {
@@ -29,17 +29,21 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
         let Some((solved, [value, ..])) = b.split_at_mut_checked(i) else {
             return;
         };
-        let done = part(done, first..i);
+        let done = slice_or_empty(done, first..i);
         let square = *pivot - dot_in_order(done, done);
         *pivot = if square > floor { square.sqrt() } else { T::ZERO };
-        *value = quotient(*value - dot_in_order(done, part(solved, first..i)), *pivot);
+        *value = quotient(*value - dot_in_order(done, slice_or_empty(solved, first..i)), *pivot);
     }
     for i in (first..n).rev() {
         let (Some(row), Some((open, [value, ..]))) = (matrix.get(i), b.split_at_mut_checked(i)) else {
             return;
         };
         *value = quotient(*value, entry(row, i));
-        add_scaled(part_mut(open, first..i), -*value, part(row, first..i));
+        add_scaled(
+            slice_or_empty_mut(open, first..i),
+            -*value,
+            slice_or_empty(row, first..i),
+        );
     }
 }
 

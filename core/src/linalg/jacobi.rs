@@ -1,10 +1,10 @@
 //! Singular values and vectors by one-sided Jacobi rotations (Hestenes 1958; de Rijk 1989).
 
-use super::{dot, part, part_mut};
+use super::{dot, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
 
 /// Graded matrices in single precision needed at most 12.
-const MOST_SWEEPS: usize = 20;
+const MAX_SWEEPS: usize = 20;
 
 /// Rotations of rows (their first `columns` entries) until they are orthogonal: row i becomes sigma_i v_i^T with the
 /// right singular vectors v_i, unordered. What still couples after the last sweep stays below what was there before.
@@ -37,7 +37,7 @@ impl<T: Real> Rotations<T> {
     #[inline(never)]
     pub(crate) fn advance<const K: usize>(&mut self, rows: &mut [[T; K]], columns: usize) -> bool {
         if self.row >= rows.len() {
-            let more = self.rotated && self.sweep + 1 < MOST_SWEEPS;
+            let more = self.rotated && self.sweep + 1 < MAX_SWEEPS;
             (self.sweep, self.row, self.rotated) = (self.sweep + 1, 1, false);
             if !more {
                 return false;
@@ -56,7 +56,7 @@ impl<T: Real> Rotations<T> {
 
     /// Makes two rows orthogonal; returns whether they were not. Keeps the square of the second.
     fn rotate<const K: usize>(&self, x: &mut [T; K], y: &mut [T; K], square: &mut T, columns: usize) -> bool {
-        let (x, y) = (part_mut(x, 0..columns), part_mut(y, 0..columns));
+        let (x, y) = (slice_or_empty_mut(x, 0..columns), slice_or_empty_mut(y, 0..columns));
         let (a, b) = (dot(x, x), *square);
         if a.min(b) <= self.floor {
             return false;
@@ -83,7 +83,7 @@ impl<T: Real> Rotations<T> {
 }
 
 fn square<T: Real, const K: usize>(row: &[T; K], columns: usize) -> T {
-    dot(part(row, 0..columns), part(row, 0..columns))
+    dot(slice_or_empty(row, 0..columns), slice_or_empty(row, 0..columns))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ mod qr;
 mod vectors;
 
 pub(crate) use products::{Block, IN_PAIRS, multiply, multiply_singles};
-pub(crate) use qr::{MOST_COLUMNS, Qr, symmetric_times};
+pub(crate) use qr::{MAX_COLUMNS, Qr, symmetric_times};
 pub(crate) use vectors::in_vectors;
 
 use crate::Real;
@@ -18,12 +18,12 @@ pub(crate) const LANES: usize = 8;
 
 /// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
 /// the range is always there, but the compiler cannot know; this way no panic is linked.
-pub(crate) fn part<T>(x: &[T], range: Range<usize>) -> &[T] {
+pub(crate) fn slice_or_empty<T>(x: &[T], range: Range<usize>) -> &[T] {
     x.get(range).unwrap_or_default()
 }
 
 /// As [`part`], to write to.
-pub(crate) fn part_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
+pub(crate) fn slice_or_empty_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 

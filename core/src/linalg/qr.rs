@@ -1,13 +1,13 @@
 //! Householder QR of a tall matrix with few columns, which leaves out columns that depend on those before.
 
-use super::{add_scaled, dot_in_order, part, part_mut};
+use super::{add_scaled, dot_in_order, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
 
 /// A column whose part outside the columns before it is less than this share of its length is left out.
 const DEPENDENT: f32 = 1e-5;
 
 /// The most columns.
-pub(crate) const MOST_COLUMNS: usize = 15;
+pub(crate) const MAX_COLUMNS: usize = 15;
 
 /// Q and R of columns, in the place of these. Columns and vectors have `N` entries, of which the first `rows` take
 /// part.
@@ -19,17 +19,17 @@ pub(crate) struct Qr<'s, T, const N: usize> {
     /// v^T.
     columns: &'s mut [[T; N]],
     /// Of R.
-    diagonals: [T; MOST_COLUMNS],
+    diagonals: [T; MAX_COLUMNS],
 }
 
 impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
-    /// Factors at most [`MOST_COLUMNS`] columns.
+    /// Factors at most [`MAX_COLUMNS`] columns.
     pub(crate) fn new(rows: usize, columns: &'s mut [[T; N]]) -> Self {
         let mut qr = Self {
             rows,
             rank: 0,
             columns,
-            diagonals: [T::ZERO; MOST_COLUMNS],
+            diagonals: [T::ZERO; MAX_COLUMNS],
         };
         for index in 0..qr.columns.len() {
             let rank = qr.rank;
@@ -39,13 +39,13 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
             let (Some(column), Some(diagonal)) = (open.get_mut(index - rank), qr.diagonals.get_mut(rank)) else {
                 break;
             };
-            let column = part_mut(column, 0..rows);
+            let column = slice_or_empty_mut(column, 0..rows);
             let length = dot_in_order(column, column).sqrt();
             for (k, reflector) in done.iter().enumerate() {
-                reflect(part(reflector, k..rows), part_mut(column, k..rows));
+                reflect(slice_or_empty(reflector, k..rows), slice_or_empty_mut(column, k..rows));
             }
             // The first `rank` entries belong to R, the rest is to be reflected onto the next.
-            let column = part_mut(column, rank..rows);
+            let column = slice_or_empty_mut(column, rank..rows);
             let norm = dot_in_order(column, column).sqrt();
             let (true, Some(head)) = (norm > length * T::from_f32(DEPENDENT), column.first_mut()) else {
                 continue;
@@ -80,25 +80,25 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
     /// x <- Q^T x.
     pub(crate) fn transpose_times(&self, x: &mut [T; N]) {
         for (k, v) in self.reflectors() {
-            reflect(v, part_mut(x, k..self.rows));
+            reflect(v, slice_or_empty_mut(x, k..self.rows));
         }
     }
 
     /// x <- Q x.
     pub(crate) fn times(&self, x: &mut [T; N]) {
         for (k, v) in self.reflectors().rev() {
-            reflect(v, part_mut(x, k..self.rows));
+            reflect(v, slice_or_empty_mut(x, k..self.rows));
         }
     }
 
     /// The shortest x whose product with column 0 is 1 and with the other columns kept 0: Q R^-T e_0.
     pub(crate) fn first(&self) -> [T; N] {
         let mut x = [T::ZERO; N];
-        let columns = part(self.columns, 0..self.rank).iter().zip(&self.diagonals);
+        let columns = slice_or_empty(self.columns, 0..self.rank).iter().zip(&self.diagonals);
         for (k, (column, diagonal)) in columns.enumerate() {
             let right = if k == 0 { T::ONE } else { T::ZERO };
-            let value = (right - dot_in_order(part(column, 0..k), part(&x, 0..k))) / *diagonal;
-            part_mut(&mut x, k..k + 1).fill(value);
+            let value = (right - dot_in_order(slice_or_empty(column, 0..k), slice_or_empty(&x, 0..k))) / *diagonal;
+            slice_or_empty_mut(&mut x, k..k + 1).fill(value);
         }
         self.times(&mut x);
         x
@@ -124,7 +124,7 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
             entry.product = *product;
         }
         for k in 0..self.rank {
-            let entries = part_mut(&mut entries, k..self.rows);
+            let entries = slice_or_empty_mut(&mut entries, k..self.rows);
             let mut half = T::ZERO;
             for (entry, v) in entries.iter_mut().zip(self.from(k, k)) {
                 half += entry.product * *v;
@@ -135,15 +135,15 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
                 entry.w = entry.product - half * entry.v;
                 (entry.next, entry.product) = (T::ZERO, T::ZERO);
             }
-            let entries = part_mut(entries, 1..self.rows - k);
+            let entries = slice_or_empty_mut(entries, 1..self.rows - k);
             for (entry, next) in entries.iter_mut().zip(self.from(k + 1, k + 1)) {
                 entry.next = *next;
             }
             for (i, row) in matrix.iter_mut().skip(k + 1).enumerate() {
-                let Some((own, before)) = part_mut(entries, 0..i + 1).split_last_mut() else {
+                let Some((own, before)) = slice_or_empty_mut(entries, 0..i + 1).split_last_mut() else {
                     break;
                 };
-                let Some((diagonal, row)) = part_mut(row, k + 1..k + 2 + i).split_last_mut() else {
+                let Some((diagonal, row)) = slice_or_empty_mut(row, k + 1..k + 2 + i).split_last_mut() else {
                     break;
                 };
                 let Entry {
@@ -166,8 +166,8 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
 
     /// The entries of reflector `k` from `first` on; none beyond the rank.
     fn from(&self, k: usize, first: usize) -> &[T] {
-        let column = part(self.columns, 0..self.rank).get(k);
-        column.map_or(&[], |column| part(column, first..self.rows))
+        let column = slice_or_empty(self.columns, 0..self.rank).get(k);
+        column.map_or(&[], |column| slice_or_empty(column, first..self.rows))
     }
 }
 
@@ -191,7 +191,7 @@ fn reflect<T: Real>(v: &[T], x: &mut [T]) {
 pub(crate) fn symmetric_times<T: Real, const N: usize>(matrix: &[[T; N]], x: &[T; N], out: &mut [T; N]) {
     for (i, (row, x_i)) in matrix.iter().zip(x).enumerate() {
         let mut own = T::ZERO;
-        for ((value, x), out) in part(row, 0..i).iter().zip(x).zip(&mut *out) {
+        for ((value, x), out) in slice_or_empty(row, 0..i).iter().zip(x).zip(&mut *out) {
             own += *value * *x;
             *out += *value * *x_i;
         }

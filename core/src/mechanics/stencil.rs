@@ -44,7 +44,7 @@ impl<T: Real> Stencil<T> {
     /// The stencil at one of `nodes` on the unit sphere.
     ///
     /// # Errors
-    /// [`EvaluateError::UnknownNode`]; [`EvaluateError::FewNodes`] where the nodes nearby do not determine the
+    /// [`EvaluateError::UnknownNode`]; [`EvaluateError::StencilTooSmall`] where the nodes nearby do not determine the
     /// derivatives.
     pub fn new(nodes: impl Iterator<Item = [T; 3]> + Clone, node: usize) -> Result<Self, EvaluateError> {
         let unknown = || EvaluateError::UnknownNode {
@@ -59,7 +59,7 @@ impl<T: Real> Stencil<T> {
             let offset = projection(centre, &axes, point);
             nearest.offer(number, dot(&offset, &offset), offset);
         }
-        let few = EvaluateError::FewNodes { node };
+        let few = EvaluateError::StencilTooSmall { node };
         let radius = nearest.limit().sqrt();
         if nearest.count() <= NEIGHBOURS || radius >= T::from_f32(FAR) {
             return Err(few);
@@ -127,7 +127,7 @@ impl<T: Real> Stencil<T> {
         }
         // With it the metric is finite, and so are stretches, tensions and energy.
         let [dilation] = finite([deformation.area_dilation()])?;
-        if dilation > T::from_f32(LEAST_AREA_DILATION) {
+        if dilation > T::from_f32(MIN_AREA_DILATION) {
             Ok(deformation)
         } else {
             Err(EvaluateError::NotFinite)
@@ -136,7 +136,7 @@ impl<T: Real> Stencil<T> {
 }
 
 /// Below it there is no surface, and its square's square could vanish in single precision.
-const LEAST_AREA_DILATION: f32 = 1e-3;
+const MIN_AREA_DILATION: f32 = 1e-3;
 
 /// Distance in the projection that no node within 120 degrees has.
 const FAR: f32 = 4.0;

@@ -2,7 +2,7 @@
 
 use super::wire::{Blob, Digits, Encoding, Matrix};
 use crate::Real;
-use crate::linalg::{Block, IN_PAIRS, LANES, add_by, part, part_mut};
+use crate::linalg::{Block, IN_PAIRS, LANES, add_by, slice_or_empty, slice_or_empty_mut};
 use core::ops::Range;
 
 /// A stored matrix; the bytes need not be aligned.
@@ -45,7 +45,7 @@ impl<'a> Integers<'a> {
     /// Panel number `number` of panels of `count` blocks.
     fn blocks(&self, number: usize, count: usize) -> &'a [Block] {
         let length = size_of::<Block>() * count;
-        let bytes = part(self.bytes, number * length..(number + 1) * length);
+        let bytes = slice_or_empty(self.bytes, number * length..(number + 1) * length);
         bytes.as_chunks().0.as_chunks().0
     }
 
@@ -110,7 +110,7 @@ impl<T: Real, const K: usize, const B: usize> Vectors<T, K, B> {
     /// Makes the leading entries ready for products with a matrix: takes the units of its columns into them, and says
     /// them in wholes. Where one is not finite, no product will be a number.
     pub(crate) fn ready(&mut self, matrix: &MatrixView<'_>, count: usize) {
-        let values = part_mut(&mut self.values, 0..count);
+        let values = slice_or_empty_mut(&mut self.values, 0..count);
         self.counts = [values.len(), 0];
         if let Units::OfColumns(units) = matrix.units {
             for (values, unit) in values.iter_mut().zip(units) {
@@ -149,8 +149,8 @@ impl<T: Real, const K: usize, const B: usize> Vectors<T, K, B> {
     pub(crate) fn factors(&self) -> Factors<'_, T, B> {
         let [values, pairs] = self.counts;
         Factors {
-            values: part(&self.values, 0..values),
-            pairs: part(&self.pairs, 0..pairs),
+            values: slice_or_empty(&self.values, 0..values),
+            pairs: slice_or_empty(&self.pairs, 0..pairs),
             units: self.units,
         }
     }
@@ -176,13 +176,13 @@ impl<T: Real> FactorsOf<T> {
 
     /// Not a number if one of the numbers is not finite.
     fn unit(&self) -> T {
-        self.greatest / T::GREATEST_FACTOR + T::ZERO * self.sum
+        self.greatest / T::MAX_FACTOR + T::ZERO * self.sum
     }
 
     /// What a number is multiplied by.
     fn scale(&self) -> T {
         if self.greatest > T::ZERO {
-            T::GREATEST_FACTOR / self.greatest
+            T::MAX_FACTOR / self.greatest
         } else {
             T::ZERO
         }
@@ -324,7 +324,7 @@ impl<'a> MatrixView<'a> {
     fn plain<T: Real>(&self, row: usize, x: impl ExactSizeIterator<Item = T>) -> T {
         let sum = if let Entries::Singles(entries) = self.entries {
             let start = row * self.columns;
-            let entries = part(entries, start..start + x.len()).iter().zip(x);
+            let entries = slice_or_empty(entries, start..start + x.len()).iter().zip(x);
             entries.fold(T::ZERO, |sum, (entry, x)| {
                 sum + T::from_f32(f32::from_le_bytes(*entry)) * x
             })
@@ -406,7 +406,7 @@ impl<'a> MatrixView<'a> {
         if let Units::OfRows(units) = self.units {
             for (panel, products) in panels.into_iter().zip(products) {
                 // Rows beyond the last one are zeros.
-                let units = part(units, LANES * panel..units.len());
+                let units = slice_or_empty(units, LANES * panel..units.len());
                 for products in products {
                     for (product, unit) in products.iter_mut().zip(units) {
                         *product *= T::from_f32(f32::from_le_bytes(*unit));
@@ -427,7 +427,7 @@ impl<'a> MatrixView<'a> {
             }
             Entries::Singles(entries) => {
                 for (row, factor) in rows.iter().map(|row| usize::from(*row)).zip(factors) {
-                    let entries = part(entries, row * self.columns..(row + 1) * self.columns);
+                    let entries = slice_or_empty(entries, row * self.columns..(row + 1) * self.columns);
                     add_by(out, *factor, entries, |entry| T::from_f32(f32::from_le_bytes(entry)));
                 }
             }
@@ -459,7 +459,9 @@ impl<'a> MatrixView<'a> {
         {
             let mut of_both = [[T::ZERO; 2]; SOME];
             for (row, factor) in rows.iter().zip(factors) {
-                let known = part(&places, 0..count).iter().position(|place| *place == row / 2);
+                let known = slice_or_empty(&places, 0..count)
+                    .iter()
+                    .position(|place| *place == row / 2);
                 let place = known.unwrap_or(count);
                 if let (Some(number), Some(factors)) = (places.get_mut(place), of_both.get_mut(place)) {
                     *number = row / 2;
@@ -467,11 +469,11 @@ impl<'a> MatrixView<'a> {
                     count += usize::from(known.is_none());
                 }
             }
-            for (pair, [first, second]) in pairs.iter_mut().zip(part(&of_both, 0..count)) {
+            for (pair, [first, second]) in pairs.iter_mut().zip(slice_or_empty(&of_both, 0..count)) {
                 *pair = [T::pair(*first, *second)];
             }
         }
-        let places = part(&places, 0..count);
+        let places = slice_or_empty(&places, 0..count);
         let mut blocks = [Block::default(); SOME];
         let mut sums = [[[T::ZERO; LANES]; 1]];
         for first in (0..self.columns + integers.coarse).step_by(LANES) {
@@ -482,7 +484,7 @@ impl<'a> MatrixView<'a> {
                     *block = [*a, *b, *c, *d];
                 }
             }
-            T::multiply([part(&blocks, 0..count)], &pairs, [unit], &mut sums);
+            T::multiply([slice_or_empty(&blocks, 0..count)], &pairs, [unit], &mut sums);
             for (place, sum) in (first..).zip(sums.as_flattened().as_flattened()) {
                 if let Some(out) = out.get_mut(place) {
                     *out += *sum;
@@ -518,8 +520,8 @@ impl<'a> Indices<'a> {
     }
 
     /// Those in a range; none where there are not as many.
-    pub(super) fn part(&self, range: Range<usize>) -> Self {
-        Self(part(self.0, range))
+    pub(super) fn slice_or_empty(&self, range: Range<usize>) -> Self {
+        Self(slice_or_empty(self.0, range))
     }
 
     /// Number of indices.
@@ -693,27 +695,27 @@ mod tests {
     #[test]
     fn wholes_lose_half_a_unit_each_at_most_and_no_sum_overflows() {
         // The greatest entries there are, along and against factors that are far apart, as many as fit.
-        const MOST: usize = 256;
+        const MAX: usize = 256;
         for entry in [i8::MIN, i8::MAX] {
-            let mut bytes: Vec<u8> = (0..MOST).flat_map(|_| 1.0_f32.to_le_bytes()).collect();
-            bytes.extend(core::iter::repeat_n(entry as u8, 2 * MOST * LANES));
-            let encoding = Encoding::ColumnPanels(Digits { coarse: MOST as u16 });
+            let mut bytes: Vec<u8> = (0..MAX).flat_map(|_| 1.0_f32.to_le_bytes()).collect();
+            bytes.extend(core::iter::repeat_n(entry as u8, 2 * MAX * LANES));
+            let encoding = Encoding::ColumnPanels(Digits { coarse: MAX as u16 });
             let entry = 257.0 * f64::from(entry);
-            let view = MatrixView::new(&Matrix::new(LANES as u32, MOST as u32, encoding, &bytes));
+            let view = MatrixView::new(&Matrix::new(LANES as u32, MAX as u32, encoding, &bytes));
             for sign in [1.0_f32, -1.0] {
-                let mut x = Vectors::<f32, MOST>::ZERO;
+                let mut x = Vectors::<f32, MAX>::ZERO;
                 let factor = |k: usize| sign.powi(k as i32) * 3.0 * 0.999_f32.powi(k as i32);
-                (0..MOST).for_each(|k| x.values[k][0] = factor(k));
-                x.ready(&view, MOST);
-                let sum = |size: &dyn Fn(f64) -> f64| (0..MOST).map(|k| size(factor(k).into())).sum::<f64>();
+                (0..MAX).for_each(|k| x.values[k][0] = factor(k));
+                x.ready(&view, MAX);
+                let sum = |size: &dyn Fn(f64) -> f64| (0..MAX).map(|k| size(factor(k).into())).sum::<f64>();
                 let exact = entry * sum(&|x| x);
                 let found = f64::from(view.dot(0, x.factors()));
                 // Of either digit's factor, times the digit.
-                let unit = 256.0 * 3.0 / f64::from(f32::GREATEST_FACTOR);
+                let unit = 256.0 * 3.0 / f64::from(f32::MAX_FACTOR);
                 let rounding = 4.0 * f64::from(f32::EPSILON) * entry.abs() * sum(&f64::abs);
                 let error = (found - exact).abs();
                 assert!(
-                    error < 0.5 * 2.0 * MOST as f64 * 128.0 * unit + rounding,
+                    error < 0.5 * 2.0 * MAX as f64 * 128.0 * unit + rounding,
                     "{entry} {sign}: {found} {exact}"
                 );
             }

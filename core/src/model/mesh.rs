@@ -99,7 +99,7 @@ impl<'a> Mesh<'a> {
     }
 
     fn row(&self, row: usize) -> Indices<'a> {
-        self.images.part(row * self.sector..(row + 1) * self.sector)
+        self.images.slice_or_empty(row * self.sector..(row + 1) * self.sector)
     }
 
     /// Panels of eight that the sector's nodes fill.

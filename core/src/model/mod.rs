@@ -38,7 +38,7 @@ const VERSION: u32 = 10;
 const HEADER_LENGTH: usize = 16;
 
 /// The most samples that a cluster may hold.
-pub(crate) const MOST_SAMPLES: usize = 1 << 16;
+pub(crate) const MAX_SAMPLES: usize = 1 << 16;
 
 /// Rounding that a parameter may carry and still count as within a range: singles of the file against doubles of the
 /// caller.

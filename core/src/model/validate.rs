@@ -2,36 +2,36 @@
 
 use super::matrix::{Indices, MatrixView};
 use super::wire::{Blob, Cluster, Contents, Digits, Encoding, Errors, Matrix, Mesh, NodeSet, Reference, Samples, Span};
-use super::{DIAGONAL, MIDPLANE, MOST_SAMPLES};
+use super::{DIAGONAL, MAX_SAMPLES, MIDPLANE};
 use crate::error::OpenError;
 use crate::linalg::LANES;
 
 /// Larger numbers have no meaning in any array of a model of a capsule in the channel, and could overflow what is
 /// computed from them.
-const LARGEST: f32 = 1e6;
+const MAX: f32 = 1e6;
 /// The same for lengths of a model in its own units, in its radius.
-const LARGEST_IN_RADII: f32 = 1e9;
+const MAX_IN_RADII: f32 = 1e9;
 /// The radius of such a model: its cube is a single-precision number.
 const RADIUS: [f64; 2] = [1e-12, 1e12];
 /// Times in units of any kind.
 const TIME: [f32; 2] = [0.0, 1e18];
 /// The largest value of a parameter in its own units.
-const LARGEST_PARAMETER: f64 = 1e36;
+const MAX_PARAMETER: f64 = 1e36;
 /// The range of numbers that may have either sign.
-const ANY: [f32; 2] = [-LARGEST, LARGEST];
+const ANY: [f32; 2] = [-MAX, MAX];
 /// The range of numbers that may not be negative.
-const POSITIVE: [f32; 2] = [0.0, LARGEST];
+const POSITIVE: [f32; 2] = [0.0, MAX];
 /// Order of the cubic splines.
 const ORDER: usize = 4;
 /// The largest mesh that u16 indices can number, and one is left that says that there is no node.
-const MOST_NODES: usize = u16::MAX as usize;
+const MAX_NODES: usize = u16::MAX as usize;
 
 /// Judges the contents of a model.
 pub(super) fn contents(contents: &Contents<'_>) -> Result<(), OpenError> {
     let length = match contents.mesh.reference {
-        Reference::Sphere => LARGEST,
+        Reference::Sphere => MAX,
         // The radius itself is judged with the mesh.
-        Reference::Shape { radius, .. } => LARGEST_IN_RADII * radius as f32,
+        Reference::Shape { radius, .. } => MAX_IN_RADII * radius as f32,
     };
     let mut judge = Judge {
         found: Ok(()),
@@ -62,7 +62,7 @@ impl Judge {
         let least = if sphere { 1e-6 } else { -1e6 };
         let parameters = contents.metadata.parameters.len();
         self.count("parameters", if sphere { 2 } else { parameters.max(1) }, parameters);
-        let greatest = if sphere { 1e6 } else { LARGEST_PARAMETER };
+        let greatest = if sphere { 1e6 } else { MAX_PARAMETER };
         for range in &contents.metadata.parameters {
             self.setting(
                 "parameter minimum",
@@ -190,7 +190,7 @@ impl Judge {
 
     fn mesh(&mut self, mesh: &Mesh<'_>) {
         let nodes = mesh.nodes as usize;
-        self.count("nodes", nodes.clamp(1, MOST_NODES), nodes);
+        self.count("nodes", nodes.clamp(1, MAX_NODES), nodes);
         let sector = mesh.sector_reference.rows as usize;
         let what = "sector's reference nodes";
         let reference = self.matrix(what, &mesh.sector_reference, [sector, 3], self.length);
@@ -266,8 +266,8 @@ impl Judge {
     fn samples(&mut self, samples: &Samples<'_>, parameters: usize, least: f32) {
         let (stored, places) = (&samples.parameters, &samples.places);
         let rows = stored.rows as usize;
-        self.count("samples", rows.clamp(1, MOST_SAMPLES), rows);
-        let samples = self.matrix("samples", stored, [rows, parameters], [least, LARGEST]);
+        self.count("samples", rows.clamp(1, MAX_SAMPLES), rows);
+        let samples = self.matrix("samples", stored, [rows, parameters], [least, MAX]);
         self.singles("samples", stored);
         self.matrix("places of the samples", places, [rows, parameters], ANY);
         self.singles("places of the samples", places);
@@ -297,7 +297,7 @@ impl Judge {
             floor,
         } = errors;
         self.matrix("leave-one-out errors", left_out, [samples, error_times], POSITIVE);
-        self.matrix("deviations", deviation, [samples, 1], [f32::MIN_POSITIVE, LARGEST]);
+        self.matrix("deviations", deviation, [samples, 1], [f32::MIN_POSITIVE, MAX]);
         self.matrix("bound's factors", bound_factors, [error_times, 1], POSITIVE);
         self.matrix("changes between samples", changes, [error_times, 1], POSITIVE);
         self.fixed(

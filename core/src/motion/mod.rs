@@ -7,7 +7,7 @@ pub(crate) mod spline;
 
 use crate::Real;
 use crate::interpolate::Weights;
-use crate::linalg::{LANES, dot, part, part_mut};
+use crate::linalg::{LANES, dot, slice_or_empty, slice_or_empty_mut};
 use crate::model::wire::{Field, Span};
 use crate::model::{Factors, Indices, MatrixView, Vectors};
 use crate::motion::spline::{ORDER, Splines};
@@ -73,7 +73,7 @@ impl<T: Real, const K: usize> Contracted<T, K> {
     pub(crate) fn enter<const N: usize>(&mut self, field: &Field<'_>, weights: &Weights<T, N>) {
         self.span = None;
         let modes = MatrixView::new(&field.axial_modes);
-        let values = part_mut(self.axial.values.as_flattened_mut(), 0..modes.columns());
+        let values = slice_or_empty_mut(self.axial.values.as_flattened_mut(), 0..modes.columns());
         let (samples, weights) = weights.parts();
         modes.combine(samples, weights, values);
         let controls = MatrixView::new(&field.axial_controls);
@@ -93,7 +93,7 @@ impl<T: Real, const K: usize> Controls<T, K> {
     }
 
     /// Forgets the query.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn invalidate(&mut self) {
         self.numbers = [None; ORDER];
     }
 }
@@ -155,7 +155,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             // The only one of four successive numbers that lies here.
             let wanted = splines.first + (place + ORDER - turn) % ORDER;
             if *number != Some(wanted) {
-                self.control(wanted, part_mut(row, 0..self.rank));
+                self.control(wanted, slice_or_empty_mut(row, 0..self.rank));
                 *number = Some(wanted);
             }
         }
@@ -194,7 +194,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             let modes = MatrixView::new(&span.parameter_modes);
             let core = MatrixView::new(&span.core);
             if *known != Some(number) {
-                let values = part_mut(psi.values.as_flattened_mut(), 0..modes.columns());
+                let values = slice_or_empty_mut(psi.values.as_flattened_mut(), 0..modes.columns());
                 modes.combine(self.samples, self.weights, values);
                 psi.ready(&core, modes.columns());
                 *known = Some(number);
@@ -203,7 +203,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             let first = counts.by_ref().take(b).sum();
             let rows = LANES * counts.next().unwrap_or_default();
             let rows = rows.min(out.len());
-            return multiply(&core, first, psi.factors(), part_mut(out, 0..rows));
+            return multiply(&core, first, psi.factors(), slice_or_empty_mut(out, 0..rows));
         }
     }
 }
@@ -229,7 +229,7 @@ pub(crate) fn leading<T: Real>(coefficients: &[T], length: T) -> usize {
     let mut count = coefficients.len();
     while count > STEP {
         let shorter = (count - 1) / STEP * STEP;
-        let last = part(coefficients, shorter..count);
+        let last = slice_or_empty(coefficients, shorter..count);
         budget -= dot(last, last);
         // Not a number counts as too much.
         if budget >= T::ZERO {

@@ -9,7 +9,7 @@
 //! Nothing is squared on the way: the condition stays that of the snapshots.
 
 use crate::Real;
-use crate::linalg::{LANES, add_scaled, dot, jacobi, part, part_mut};
+use crate::linalg::{LANES, add_scaled, dot, jacobi, slice_or_empty, slice_or_empty_mut};
 use crate::workspace::{Factor, PAPER_ROW, SNAPSHOTS};
 use core::ops::Range;
 
@@ -76,13 +76,13 @@ impl<T: Real, const M: usize> Basis<T, M> {
                     *factor = [[T::ZERO; PAPER_ROW]; SNAPSHOTS];
                 }
                 let mut coefficients = [T::ZERO; PAPER_ROW];
-                snapshot(instant, part_mut(&mut coefficients, 0..rank));
-                let shape = part_mut(&mut coefficients, 1..rank);
+                snapshot(instant, slice_or_empty_mut(&mut coefficients, 0..rank));
+                let shape = slice_or_empty_mut(&mut coefficients, 1..rank);
                 match factor.get_mut(instant) {
                     Some(row) if instants <= SNAPSHOTS => {
                         row.iter_mut().zip(shape).for_each(|(row, shape)| *row = *shape);
                     }
-                    _ => absorb(part_mut(factor, 0..columns), shape),
+                    _ => absorb(slice_or_empty_mut(factor, 0..columns), shape),
                 }
                 if instant + 1 < instants {
                     Learning::Snapshot(instant + 1)
@@ -96,7 +96,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
             }
             Learning::Direction { done, open, floor } => {
                 let rest = done..whole(done, columns);
-                let (open, longest) = sort(part_mut(factor, done..open), rest.clone(), floor);
+                let (open, longest) = sort(slice_or_empty_mut(factor, done..open), rest.clone(), floor);
                 let open = done + open;
                 let floor = if done == 0 {
                     longest * T::from_f32(NEGLIGIBLE * NEGLIGIBLE)
@@ -105,7 +105,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 };
                 // The reflections stay in their rows, and the factor takes as many others.
                 if done < open && done < columns && done < SNAPSHOTS / 2 {
-                    reflect(part_mut(factor, done..open), rest);
+                    reflect(slice_or_empty_mut(factor, done..open), rest);
                     Learning::Direction {
                         done: done + 1,
                         open,
@@ -118,7 +118,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
             Learning::Gathering { rank, row } if row < count => {
                 if let Some((before, [row, ..])) = factor.split_at_mut_checked(row) {
                     let (_, gathered) = before.split_at_mut_checked(rank)?;
-                    absorb(gathered, part_mut(row, 0..rank));
+                    absorb(gathered, slice_or_empty_mut(row, 0..rank));
                 }
                 Learning::Gathering { rank, row: row + 1 }
             }
@@ -127,24 +127,30 @@ impl<T: Real, const M: usize> Basis<T, M> {
                 let mut coefficients = [T::ZERO; PAPER_ROW];
                 let reflection = row - count;
                 if let Some(row) = reflections.get(reflection) {
-                    for (out, entry) in coefficients.iter_mut().zip(part(row, 0..reflection + 1)) {
+                    for (out, entry) in coefficients.iter_mut().zip(slice_or_empty(row, 0..reflection + 1)) {
                         *out = *entry;
                     }
                 }
-                absorb(part_mut(gathered, 0..rank), part_mut(&mut coefficients, 0..rank));
+                absorb(
+                    slice_or_empty_mut(gathered, 0..rank),
+                    slice_or_empty_mut(&mut coefficients, 0..rank),
+                );
                 Learning::Gathering { rank, row: row + 1 }
             }
             Learning::Gathering { rank, .. } => {
                 let (_, gathered) = factor.split_at_mut_checked(rank)?;
-                let rotations =
-                    jacobi::Rotations::new(part(gathered, 0..rank), whole(0, rank), T::from_f32(NEGLIGIBLE / 4.0));
+                let rotations = jacobi::Rotations::new(
+                    slice_or_empty(gathered, 0..rank),
+                    whole(0, rank),
+                    T::from_f32(NEGLIGIBLE / 4.0),
+                );
                 Learning::Rotations { rank, rotations }
             }
             Learning::Rotations {
                 rank,
                 ref mut rotations,
             } => {
-                if rotations.advance(part_mut(factor, rank..2 * rank), whole(0, rank)) {
+                if rotations.advance(slice_or_empty_mut(factor, rank..2 * rank), whole(0, rank)) {
                     return Some(());
                 }
                 self.rows = [[T::ZERO; PAPER_ROW]; M];
@@ -154,15 +160,16 @@ impl<T: Real, const M: usize> Basis<T, M> {
             }
             Learning::Mode { rank, floor } => {
                 let (reflections, gathered) = factor.split_at_mut_checked(rank)?;
-                let rows = part_mut(gathered, 0..rank);
+                let rows = slice_or_empty_mut(gathered, 0..rank);
                 let mode = self.rows.get_mut(self.rank).filter(|_| self.rank < wanted)?;
-                let shape = part_mut(mode, 1..PAPER_ROW);
-                let length = take_longest(rows, part_mut(shape, 0..whole(0, rank))).filter(|length| *length > floor)?;
+                let shape = slice_or_empty_mut(mode, 1..PAPER_ROW);
+                let length = take_longest(rows, slice_or_empty_mut(shape, 0..whole(0, rank)))
+                    .filter(|length| *length > floor)?;
                 for k in (0..rank).rev() {
                     let reflection = reflections.get(k)?;
                     let end = whole(k + 1, columns).min(PAPER_ROW - 1);
-                    let rest = part(reflection, k + 1..end);
-                    mirror(rest, factor_of(rest), part_mut(shape, k..end));
+                    let rest = slice_or_empty(reflection, k + 1..end);
+                    mirror(rest, factor_of(rest), slice_or_empty_mut(shape, k..end));
                 }
                 self.rank += 1;
                 let floor = floor.max(length * T::EPSILON * T::from_index(columns));
@@ -174,7 +181,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
 
     /// The rows of W^T.
     pub(crate) fn rows(&self) -> &[[T; PAPER_ROW]] {
-        part(&self.rows, 0..self.rank)
+        slice_or_empty(&self.rows, 0..self.rank)
     }
 
     /// out <- W^T x: local coordinates of `rank` global coefficients, which zeros follow.
@@ -182,7 +189,7 @@ impl<T: Real, const M: usize> Basis<T, M> {
         out.fill(T::ZERO);
         let columns = 0..whole(0, rank);
         for (out, row) in out.iter_mut().zip(self.rows()) {
-            *out = dot(part(row, columns.clone()), part(x, columns.clone()));
+            *out = dot(slice_or_empty(row, columns.clone()), slice_or_empty(x, columns.clone()));
         }
     }
 
@@ -208,8 +215,8 @@ fn whole(start: usize, end: usize) -> usize {
 fn sort<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>, floor: T) -> (usize, T) {
     let (mut open, mut longest, mut place) = (rows.len(), T::ZERO, 0);
     let mut i = 0;
-    while let Some(row) = part_mut(rows, 0..open).get_mut(i) {
-        let rest = part_mut(row, columns.clone());
+    while let Some(row) = slice_or_empty_mut(rows, 0..open).get_mut(i) {
+        let rest = slice_or_empty_mut(row, columns.clone());
         let square = dot(rest, rest);
         if square > floor {
             if square > longest {
@@ -239,7 +246,7 @@ fn reflect<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>) {
     let Some((first, others)) = rows.split_first_mut() else {
         return;
     };
-    let Some((head, rest)) = part_mut(first, columns.clone()).split_first_mut() else {
+    let Some((head, rest)) = slice_or_empty_mut(first, columns.clone()).split_first_mut() else {
         return;
     };
     let length = (*head * *head + dot(rest, rest)).sqrt();
@@ -249,7 +256,7 @@ fn reflect<T: Real>(rows: &mut [[T; PAPER_ROW]], columns: Range<usize>) {
     *head = entry;
     let factor = factor_of(rest);
     for other in others {
-        mirror(rest, factor, part_mut(other, columns.clone()));
+        mirror(rest, factor, slice_or_empty_mut(other, columns.clone()));
     }
 }
 
@@ -274,7 +281,7 @@ fn take_longest<T: Real>(rows: &mut [[T; PAPER_ROW]], out: &mut [T]) -> Option<T
     let mut longest = None;
     let mut greatest = T::ZERO;
     for row in rows.iter() {
-        let row = part(row, 0..out.len());
+        let row = slice_or_empty(row, 0..out.len());
         let square = dot(row, row);
         if square > greatest {
             (longest, greatest) = (Some(row), square);
@@ -285,7 +292,7 @@ fn take_longest<T: Real>(rows: &mut [[T; PAPER_ROW]], out: &mut [T]) -> Option<T
         *out = *entry / length;
     }
     for row in rows {
-        let row = part_mut(row, 0..out.len());
+        let row = slice_or_empty_mut(row, 0..out.len());
         let share = dot(row, out);
         add_scaled(row, -share, out);
     }
@@ -297,7 +304,7 @@ fn take_longest<T: Real>(rows: &mut [[T; PAPER_ROW]], out: &mut [T]) -> Option<T
 fn absorb<T: Real>(factor: &mut [[T; PAPER_ROW]], snapshot: &mut [T]) {
     let end = snapshot.len();
     for (k, row) in factor.iter_mut().enumerate() {
-        let (row, snapshot) = (part_mut(row, k..end), part_mut(snapshot, k..end));
+        let (row, snapshot) = (slice_or_empty_mut(row, k..end), slice_or_empty_mut(snapshot, k..end));
         let (Some(&a), Some(&b)) = (row.first(), snapshot.first()) else {
             return;
         };

@@ -4,7 +4,7 @@
 //! membrane relaxes. Forward Euler is stable there with very small steps only, so a step is divided into as many equal
 //! parts as the learned manifold needs where it is.
 
-use crate::linalg::{add_scaled, dot, part_mut};
+use crate::linalg::{add_scaled, dot, slice_or_empty_mut};
 use crate::model::wire::Paper;
 use crate::motion::{Controls, Motion, Quantity};
 use crate::paper::basis::{Basis, Learning};
@@ -17,7 +17,7 @@ use core::mem::offset_of;
 /// far below.
 const STABLE: f32 = 0.25;
 /// The most parts of a step.
-const MOST_PARTS: usize = 64;
+const MAX_PARTS: usize = 64;
 
 /// What is to be done next.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
     }
 
     /// Forgets the query.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn invalidate(&mut self) {
         self.stage = Stage::START;
     }
 
@@ -190,7 +190,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         self.enter(source, start);
         let parts = (self.manifold.stiffness() * length / T::from_f32(STABLE))
             .to_index()
-            .clamp(0, MOST_PARTS - 1)
+            .clamp(0, MAX_PARTS - 1)
             + 1;
         let part = length / T::from_index(parts);
         let mut alpha = self.alpha;
@@ -218,7 +218,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
             }
         }
         self.manifold
-            .forget(self.displacement.rows().len().max(self.velocity.rows().len()));
+            .invalidate(self.displacement.rows().len().max(self.velocity.rows().len()));
         self.start(source);
     }
 
@@ -260,7 +260,7 @@ fn snapshot<T: Real, const K: usize, const M: usize>(
         (Quantity::Displacement, displacement, &mut out.alpha),
         (Quantity::Velocity, velocity, &mut out.xi),
     ] {
-        source.at_instant(instant, quantity, part_mut(&mut global, 0..rank));
+        source.at_instant(instant, quantity, slice_or_empty_mut(&mut global, 0..rank));
         basis.project(&global, rank, out);
     }
     for (rate, q) in out.rate.iter_mut().zip(q) {

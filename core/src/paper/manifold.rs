@@ -9,7 +9,7 @@
 
 use crate::Real;
 use crate::interpolate::weight;
-use crate::linalg::{add_scaled, dot_in_order, part, part_mut};
+use crate::linalg::{add_scaled, dot_in_order, slice_or_empty, slice_or_empty_mut};
 use crate::model::MatrixView;
 use crate::workspace::Parts;
 use core::mem::offset_of;
@@ -206,7 +206,7 @@ impl<T: Real, const M: usize> Manifold<T, M> {
     }
 
     /// Forgets all snapshots; those to come have so many coordinates.
-    pub(crate) fn forget(&mut self, rank: usize) {
+    pub(crate) fn invalidate(&mut self, rank: usize) {
         self.rank = rank;
         self.instants = [None; NEAR];
         self.window.span = [T::ZERO; 2];
@@ -270,7 +270,7 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         let shares = self.shares(t, step, alpha);
         let mut rate = self.first().rate;
         for (share, difference) in shares.iter().zip(&self.window.rate) {
-            add_scaled(part_mut(&mut rate, 0..self.rank), *share, difference);
+            add_scaled(slice_or_empty_mut(&mut rate, 0..self.rank), *share, difference);
         }
         rate
     }
@@ -310,7 +310,7 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         }
         let [mut shares, response] = window.fit(t, sides, [way, deviation[0]]);
         let mut rate = [T::ZERO; M];
-        let rate = part_mut(&mut rate, 0..self.rank);
+        let rate = slice_or_empty_mut(&mut rate, 0..self.rank);
         for (share, difference) in response.iter().zip(&window.rate) {
             add_scaled(rate, *share, difference);
         }
@@ -419,12 +419,12 @@ fn subtract<T: Real>(out: &mut [T], a: &[T], b: &[T]) {
 /// Product of two states without the translation.
 #[inline(never)]
 fn product<T: Real, const M: usize>(a: &[T; M], b: &[T; M], rank: usize) -> T {
-    dot_in_order(part(a, 1..rank), part(b, 1..rank))
+    dot_in_order(slice_or_empty(a, 1..rank), slice_or_empty(b, 1..rank))
 }
 
 /// Square of the distance between two states without the translation.
 fn apart<T: Real, const M: usize>(a: &[T; M], b: &[T; M], rank: usize) -> T {
-    let both = part(a, 1..rank).iter().zip(part(b, 1..rank));
+    let both = slice_or_empty(a, 1..rank).iter().zip(slice_or_empty(b, 1..rank));
     both.fold(T::ZERO, |sum, (a, b)| sum + (*a - *b) * (*a - *b))
 }
 

@@ -6,7 +6,7 @@
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{IN_PAIRS, LANES, in_vectors, part, part_mut};
+use crate::linalg::{IN_PAIRS, LANES, in_vectors, slice_or_empty, slice_or_empty_mut};
 use crate::model::{MatrixView, Mesh, Model, Vectors, components};
 use crate::motion::spline::ORDER;
 use crate::motion::{Motion, Quantity};
@@ -30,13 +30,13 @@ pub struct Playback<T, R> {
 }
 
 /// Numbers that frames of a model need room for.
-pub fn playback_room(model: &Model<'_>) -> usize {
+pub fn playback_len(model: &Model<'_>) -> usize {
     let surface = surface(&model.mesh());
     SURFACES * surface + frame(surface)
 }
 
 impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
-    /// Nothing is kept yet. `room` holds at least as many numbers as [`playback_room`] says.
+    /// Nothing is kept yet. `room` holds at least as many numbers as [`playback_len`] says.
     pub const fn new(room: R) -> Self {
         Self {
             room,
@@ -89,7 +89,7 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
         }
         let control = |i: usize| {
             let start = (first + i) % SURFACES * surface;
-            part(controls, start..start + surface)
+            slice_or_empty(controls, start..start + surface)
         };
         let weights = splines.of(Quantity::Displacement);
         if !combine(weights, [0, 1, 2, 3].map(control), translation, frame) {
@@ -121,7 +121,7 @@ fn coefficients<T: Real, const K: usize>(
     let mut control = [T::ZERO; K];
     for i in 0..ORDER {
         motion.control(ORDER * group + i, &mut control);
-        let shape = part_mut(&mut control, 1..modes.columns() + 1);
+        let shape = slice_or_empty_mut(&mut control, 1..modes.columns() + 1);
         for (values, shape) in coefficients.values.iter_mut().zip(shape) {
             values[i] = *shape;
         }
@@ -154,7 +154,7 @@ fn compute_panels<T: Real, const P: usize>(
     for ((axis, panel), values) in places.into_iter().zip(snapshot.panels(places)) {
         let first = LANES * (axis * snapshot.mesh.panels() + panel);
         for (values, surface) in values.iter().zip(surfaces.chunks_exact_mut(surface)) {
-            part_mut(surface, first..first + LANES).copy_from_slice(values);
+            slice_or_empty_mut(surface, first..first + LANES).copy_from_slice(values);
         }
     }
 }
@@ -181,7 +181,7 @@ fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], trans
 /// of them.
 fn mirror<T: Real>(mesh: &Mesh<'_>, sector: &[T], out: &mut [[T; 3]]) {
     let stride = LANES * mesh.panels();
-    let values = |place: usize| part(sector, stride * place..stride * (place + 1));
+    let values = |place: usize| slice_or_empty(sector, stride * place..stride * (place + 1));
     for (operation, images) in mesh.images() {
         let [y, z] = components(operation).map(|(axis, opposite)| values(if opposite { axis + 2 } else { axis }));
         for (((image, x), y), z) in images.iter().zip(values(0)).zip(y).zip(z) {

@@ -22,7 +22,7 @@ impl<'o, T: Real> Mechanics<'o, T> {
             return Ok(None);
         }
         if !matches!(model.contents().mesh.reference, Reference::Sphere) {
-            return Err(EvaluateError::NoSphere.into());
+            return Err(EvaluateError::UnsupportedReference.into());
         }
         let mesh = model.mesh();
         let nodes = mesh.sector_nodes();

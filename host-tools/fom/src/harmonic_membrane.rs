@@ -59,7 +59,7 @@ pub struct HarmonicState {
 }
 
 /// Surface elements below this area ratio are treated as collapsed.
-const LEAST_AREA_RATIO: f64 = 1e-3;
+const MIN_AREA_RATIO: f64 = 1e-3;
 
 impl HarmonicMembrane {
     /// Harmonics up to `degree` on the sector of `mesh`, with bending stiffness `bending` (over `G_s a²`).
@@ -170,7 +170,7 @@ impl HarmonicMembrane {
                 flux[1][d][point] = s12 * t1[d] + s22 * t2[d];
             }
         }
-        if least > LEAST_AREA_RATIO * LEAST_AREA_RATIO && least.is_finite() {
+        if least > MIN_AREA_RATIO * MIN_AREA_RATIO && least.is_finite() {
             Ok(())
         } else {
             Err(EvaluationError::Collapsed {

@@ -3,7 +3,7 @@
 use crate::Mesh;
 
 /// The greatest semi-minor axis of the start (in l): larger capsules are pre-deformed to fit in the channel.
-pub const GREATEST_SEMI_MINOR_AXIS: f64 = 0.9;
+pub const MAX_SEMI_MINOR_AXIS: f64 = 0.9;
 
 /// The semi-axes along and across the channel of the start for a confinement `a/l`: a prolate ellipsoid of the
 /// sphere's volume with semi-minor axes `min(a/l, 0.9)`.
@@ -11,13 +11,13 @@ pub const GREATEST_SEMI_MINOR_AXIS: f64 = 0.9;
 /// The paper starts from a sphere below a/l = 0.95 and from an ellipsoid at its samples from there on (caption of
 /// Fig. 3); this rule is the same at those samples and continuous between.
 pub fn semi_axes(confinement: f64) -> [f64; 2] {
-    let minor = confinement.min(GREATEST_SEMI_MINOR_AXIS);
+    let minor = confinement.min(MAX_SEMI_MINOR_AXIS);
     [confinement * (confinement / minor) * (confinement / minor), minor]
 }
 
 /// The confinement whose start has this semi-axis along the channel: the greatest one that fits in it.
 pub fn greatest_confinement(semi_axis: f64) -> f64 {
-    let square = GREATEST_SEMI_MINOR_AXIS * GREATEST_SEMI_MINOR_AXIS;
+    let square = MAX_SEMI_MINOR_AXIS * MAX_SEMI_MINOR_AXIS;
     semi_axis.min((semi_axis * square).cbrt())
 }
 

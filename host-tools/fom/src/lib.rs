@@ -45,7 +45,7 @@ pub enum FomError {
     #[error(
         "mesh frequency {frequency} is out of range: it must be {} to {}",
         mesh::MINIMUM_FREQUENCY,
-        mesh::MAXIMUM_FREQUENCY
+        mesh::MAX_FREQUENCY
     )]
     MeshFrequency {
         /// The frequency asked for.
@@ -63,7 +63,7 @@ pub enum FomError {
     /// The snapshots are too many to keep.
     #[error(
         "snapshots every {interval:e} up to {end_time} are too many: there may be {} at most",
-        parameters::MAXIMUM_SNAPSHOTS
+        parameters::MAX_SNAPSHOTS
     )]
     TooManySnapshots {
         /// The end time.

@@ -51,7 +51,7 @@ impl<'a> Mechanics<'a> {
     /// Prepares the derivatives at all nodes.
     ///
     /// # Errors
-    /// [`EvaluateError::FewNodes`] if the mesh is too coarse for them.
+    /// [`EvaluateError::StencilTooSmall`] if the mesh is too coarse for them.
     pub fn new(discretisation: &'a Discretisation) -> Result<Self, MechanicsError> {
         let mesh = &discretisation.mesh;
         let stencil = |node| Stencil::new(mesh.nodes.iter().copied(), node);

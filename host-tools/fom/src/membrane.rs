@@ -26,7 +26,7 @@ struct ReferencePoint {
 }
 
 /// The least ratio of deformed to undeformed area that counts as a surface.
-const LEAST_AREA_RATIO: f64 = 1e-3;
+const MIN_AREA_RATIO: f64 = 1e-3;
 
 impl Membrane {
     /// The reference state of the elements of `patch`, a part of `mesh`.
@@ -74,7 +74,7 @@ impl Membrane {
                 let determinant = m11 * m22 - m12 * m12;
                 // The squared area ratio J_s^2; the reference lengths scale with the radius.
                 let ratio = determinant / (reference.determinant * radius.powi(4));
-                if !(ratio > LEAST_AREA_RATIO * LEAST_AREA_RATIO && ratio.is_finite()) {
+                if !(ratio > MIN_AREA_RATIO * MIN_AREA_RATIO && ratio.is_finite()) {
                     collapsed = Some(ratio);
                 }
                 // S^ab dA_ref: radius cancels in the first term and gives radius^2 in the second.

@@ -23,7 +23,7 @@ pub struct Mesh {
 /// The least frequency: below it an element spans a quarter of a great circle.
 pub const MINIMUM_FREQUENCY: usize = 2;
 /// The greatest frequency: beyond it (65,000 nodes) the dense sums are out of reach.
-pub const MAXIMUM_FREQUENCY: usize = 64;
+pub const MAX_FREQUENCY: usize = 64;
 
 impl Mesh {
     /// The geodesic mesh of frequency `n` (even or odd).
@@ -33,9 +33,9 @@ impl Mesh {
     /// other. Coordinates are symmetric to the bit under the operations of the square.
     ///
     /// # Errors
-    /// [`FomError::MeshFrequency`] outside [`MINIMUM_FREQUENCY`]..=[`MAXIMUM_FREQUENCY`].
+    /// [`FomError::MeshFrequency`] outside [`MINIMUM_FREQUENCY`]..=[`MAX_FREQUENCY`].
     pub fn octahedral(frequency: usize) -> Result<Self, FomError> {
-        if !(MINIMUM_FREQUENCY..=MAXIMUM_FREQUENCY).contains(&frequency) {
+        if !(MINIMUM_FREQUENCY..=MAX_FREQUENCY).contains(&frequency) {
             return Err(FomError::MeshFrequency { frequency });
         }
         let n = frequency as i32;

@@ -209,11 +209,11 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), FomError> {
 }
 
 /// The greatest number of snapshots of a run: they are kept in memory.
-pub(crate) const MAXIMUM_SNAPSHOTS: f64 = 10_000.0;
+pub(crate) const MAX_SNAPSHOTS: f64 = 10_000.0;
 
 /// Checks that the snapshots up to `end_time` are not too many to keep.
 pub(crate) fn snapshots(end_time: f64, interval: f64) -> Result<(), FomError> {
-    if end_time / interval <= MAXIMUM_SNAPSHOTS {
+    if end_time / interval <= MAX_SNAPSHOTS {
         Ok(())
     } else {
         Err(FomError::TooManySnapshots { end_time, interval })

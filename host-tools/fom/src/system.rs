@@ -101,7 +101,7 @@ pub struct Fields {
 }
 
 /// A membrane cannot move faster than this (V): such a state is an instability on its way to infinity.
-const GREATEST_SPEED: f64 = 1e4;
+const MAX_SPEED: f64 = 1e4;
 
 impl<'a> Capsule<'a> {
     /// A capsule whose stress-free state is a sphere of `radius`, with tensions scaled by `1 / capillary_number`.
@@ -197,7 +197,7 @@ impl<'a> Capsule<'a> {
             *last = centroid_velocity;
         }
         let speed = greatest_magnitude(rate.iter().copied());
-        if speed <= GREATEST_SPEED {
+        if speed <= MAX_SPEED {
             Ok(())
         } else {
             Err(EvaluationError::Speed { speed })

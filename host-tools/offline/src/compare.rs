@@ -149,7 +149,7 @@ pub(crate) fn predictions(
     };
     match evaluator.prepare(&query) {
         // No sample on the query's side of the border, none that can be told apart, or none within reach.
-        Err(EvaluateError::Weights { .. } | EvaluateError::FarOutside { .. }) => {
+        Err(EvaluateError::Weights { .. } | EvaluateError::BeyondExtrapolation { .. }) => {
             let none = || Prediction {
                 positions: None,
                 centroid: 0.0,

@@ -13,7 +13,7 @@ use crate::assembled::Assembled;
 use crate::plan::Plan;
 
 /// The most by which an error falls when the interval is halved: the splines are of fourth order.
-const MOST_FALL: f64 = 16.0;
+const MAX_FALL: f64 = 16.0;
 
 /// Errors of a model of every so many instants at those that it does not know.
 struct Coarse {
@@ -87,7 +87,7 @@ pub(crate) fn interval_errors(
 fn refined(intervals: usize, two: &Coarse, [four, eight]: [Option<Coarse>; 2]) -> Vec<Vec<f64>> {
     let fall = |before: f64, after: f64| {
         if before > after {
-            (before / after).min(MOST_FALL)
+            (before / after).min(MAX_FALL)
         } else {
             1.0
         }

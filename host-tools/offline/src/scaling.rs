@@ -9,11 +9,11 @@ use capsule_database::Collection;
 use crate::{OfflineError, Settings, Split, Truncation};
 
 /// The largest parameter, and the inverse of the narrowest range, that a model file holds.
-const LARGEST_PARAMETER: f64 = 1e36;
+const MAX_PARAMETER: f64 = 1e36;
 /// The least and greatest radius that a model file holds.
 const RADIUS: [f64; 2] = [1e-12, 1e12];
 /// The greatest last instant that a model file holds, and the inverse of the least.
-const LARGEST_TIME: f64 = 1e18;
+const MAX_TIME: f64 = 1e18;
 
 /// A parameter's range, and what is done to its values: (value - origin) / scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,16 +76,16 @@ impl Scaling {
         };
         within("the radius of the capsule in `positions`", length, RADIUS)?;
         let time = collection.times.last().copied().unwrap_or_default();
-        within("the last of `times`", time, [1.0 / LARGEST_TIME, LARGEST_TIME])?;
+        within("the last of `times`", time, [1.0 / MAX_TIME, MAX_TIME])?;
         let mut parameters = Vec::new();
         for (name, range) in collection.parameter_names.iter().zip(collection.ranges()) {
             let [low, high] = range;
             for value in range {
                 let what = format!("a value of the parameter `{name}`");
-                within(&what, value, [-LARGEST_PARAMETER, LARGEST_PARAMETER])?;
+                within(&what, value, [-MAX_PARAMETER, MAX_PARAMETER])?;
             }
             let what = format!("the range of the parameter `{name}`");
-            within(&what, high - low, [1.0 / LARGEST_PARAMETER, LARGEST_PARAMETER])?;
+            within(&what, high - low, [1.0 / MAX_PARAMETER, MAX_PARAMETER])?;
             parameters.push(ParameterScale {
                 range,
                 // A single-precision number, so that the core takes it away exactly.

@@ -12,9 +12,9 @@ const ORDER: usize = 4;
 /// from it.
 const RATE_SHARE: f64 = 1.0 / 3.0;
 /// The most spans of time with modes of their own.
-const MOST_SPANS: usize = 4;
+const MAX_SPANS: usize = 4;
 /// The least controls of a span, unless there are fewer.
-const LEAST_CONTROLS: usize = 8;
+const MIN_CONTROLS: usize = 8;
 
 /// A span of time: successive controls, and the instants between the places of the first and of the next span's first.
 pub(crate) struct Span {
@@ -135,7 +135,7 @@ impl TimeFit {
     /// Time in a few spans of as many controls: most lie at the start, where the motion is fastest.
     pub(crate) fn spans(&self, times: &[f64]) -> Vec<Span> {
         let controls = self.count();
-        let count = (controls / LEAST_CONTROLS).clamp(1, MOST_SPANS);
+        let count = (controls / MIN_CONTROLS).clamp(1, MAX_SPANS);
         let start = |span: usize| span * controls / count;
         (0..count)
             .map(|span| self.span(start(span)..start(span + 1), times))

@@ -205,7 +205,10 @@ fn all_is_answered_without_outlines_and_mechanics_is_refused() {
     let rate = collection.velocities[7][6].clone();
     close(found.velocity, mesh.centroid_velocity(nodes, &rate).unwrap());
     let mut sector = vec![[0.0; 3]; 66];
-    assert_eq!(instant.membrane(&mut sector).unwrap_err(), EvaluateError::NoSphere);
+    assert_eq!(
+        instant.membrane(&mut sector).unwrap_err(),
+        EvaluateError::UnsupportedReference
+    );
     assert_eq!(
         instant
             .outline("midplane", Frame::Laboratory, &mut [[0.0; 2]; 99])

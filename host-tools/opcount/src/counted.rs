@@ -108,7 +108,7 @@ impl Real for Counted {
 
     type Whole = i32;
     const NO_WHOLE: i32 = 0;
-    const GREATEST_FACTOR: Self = Self(f32::GREATEST_FACTOR);
+    const MAX_FACTOR: Self = Self(f32::MAX_FACTOR);
     type Pair = u32;
     const NO_PAIR: u32 = f32::NO_PAIR;
 

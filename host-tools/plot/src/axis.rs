@@ -42,15 +42,15 @@ impl Axis {
 
     /// Round values within a range, some eight of them.
     fn ticks(&self, range: &Range<f64>) -> Vec<f64> {
-        const MOST: f64 = 8.0;
+        const MAX: f64 = 8.0;
         if !self.logarithmic {
-            let step = step((range.end - range.start) / MOST);
+            let step = step((range.end - range.start) / MAX);
             let first = (range.start / step).ceil() as i64;
             let last = (range.end / step).floor() as i64;
             return (first..=last).map(|i| i as f64 * step).collect();
         }
         let [low, high] = [range.start, range.end].map(f64::log10);
-        let every = ((high - low) / MOST).ceil() as i32;
+        let every = ((high - low) / MAX).ceil() as i32;
         let within: &[f64] = if high - low > 3.0 {
             &[1.0]
         } else if high - low > 1.0 {

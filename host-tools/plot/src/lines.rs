@@ -56,7 +56,7 @@ pub struct Lines {
 }
 
 /// The least height of the axes of a flat shape.
-const LEAST: u32 = 60;
+const MIN: u32 = 60;
 /// With more dots than this in a panel, they are smaller.
 const MANY: usize = 100;
 
@@ -117,7 +117,7 @@ impl Lines {
         let around = MARGIN + TITLE + self.legend(width).height() + X_LABELS + MARGIN;
         let inside = f64::from(width - 3 * MARGIN - Y_LABELS) * (ys.end - ys.start) / (xs.end - xs.start);
         // Room for the axis' description beside a flat shape.
-        (around + (inside as u32).max(LEAST)).min(usual)
+        (around + (inside as u32).max(MIN)).min(usual)
     }
 
     /// Names of the curves, each once, in the order of their colours.

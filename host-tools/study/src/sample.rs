@@ -175,7 +175,9 @@ impl<'m> Estimator<'m> {
         let coordinates = Coordinates::new(contents);
         match weights.kernel(&contents.kernel, &coordinates, &samples, query, None, &mut scratch) {
             // Nothing is known on the query's side of the border or within its reach: nowhere is a sample worth more.
-            Err(EvaluateError::Weights { .. } | EvaluateError::FarOutside { .. }) => return Ok((UNKNOWN, UNKNOWN)),
+            Err(EvaluateError::Weights { .. } | EvaluateError::BeyondExtrapolation { .. }) => {
+                return Ok((UNKNOWN, UNKNOWN));
+            }
             other => other?,
         }
         let sum: f64 = weights.iter().map(|(j, weight)| weight.abs() * cluster.ratios[j]).sum();

@@ -104,10 +104,10 @@ struct Counts {
 
 impl Counts {
     fn new(model: &Model<'_>, task: Task, questions: &[Question]) -> Result<Self, StudyError> {
-        const MOST: usize = 101;
+        const MAX: usize = 101;
         let mut asker = Asker::<Counted>::new(model, Method::Direct)?;
         let mut counts = Vec::new();
-        for (number, question) in questions.iter().take(MOST).enumerate() {
+        for (number, question) in questions.iter().take(MAX).enumerate() {
             asker.before(model, &task, question)?;
             let (answered, counted) = count(|| asker.answer(model, &task, question));
             answered?;

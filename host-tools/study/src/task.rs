@@ -6,7 +6,7 @@ use capsule_core::mechanics::Stencil;
 use capsule_core::model::wire::Reference;
 use capsule_core::{
     Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Observables, Parameters, Playback, Query,
-    Real, Scene, Segment, Workspace, playback_room, section,
+    Real, Scene, Segment, Workspace, playback_len, section,
 };
 use serde::Serialize;
 
@@ -173,7 +173,7 @@ impl<T: Real> Asker<T> {
         Ok(Self {
             method,
             workspace: Box::new(Workspace::new()),
-            playback: Playback::new(vec![T::ZERO; playback_room(model)]),
+            playback: Playback::new(vec![T::ZERO; playback_len(model)]),
             stencils: stencils
                 .map(|node| Stencil::at(&mesh, node))
                 .collect::<Result<_, _>>()?,
@@ -209,7 +209,7 @@ impl<T: Real> Asker<T> {
             self.nodes.resize(self.times.len() * model.mesh().nodes(), [T::ZERO; 3]);
         }
         if task.new {
-            self.workspace.forget();
+            self.workspace.invalidate();
             return Ok(());
         }
         let query = self.query(question);

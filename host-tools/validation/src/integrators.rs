@@ -44,7 +44,7 @@ pub enum Outcome {
 /// The reference's error of a position allowed a step (l).
 const REFERENCE: f64 = 1e-9;
 /// Longest step of the stabilised scheme (l/V).
-const GREATEST_STEP: f64 = 0.2;
+const MAX_STEP: f64 = 0.2;
 
 /// Runs one configuration to the end time of `settings` with each of `integrators`. `progress` hears how many runs are
 /// done, and of how many.
@@ -67,7 +67,7 @@ pub fn study(
     };
     let total = integrators.len() + 1;
     progress(0, total);
-    let reference = problem.run(&mut Rkc2::new(REFERENCE, GREATEST_STEP))?;
+    let reference = problem.run(&mut Rkc2::new(REFERENCE, MAX_STEP))?;
     let mut rows = Vec::new();
     for (i, integrator) in integrators.iter().enumerate() {
         progress(i + 1, total);
@@ -75,7 +75,7 @@ pub fn study(
         let run = match *integrator {
             Integrator::ForwardEuler { step } => problem.run(&mut FixedStep::new(Scheme::ForwardEuler, step)),
             Integrator::Ralston { step } => problem.run(&mut FixedStep::new(Scheme::Ralston, step)),
-            Integrator::Rkc2 { tolerance } => problem.run(&mut Rkc2::new(tolerance, GREATEST_STEP)),
+            Integrator::Rkc2 { tolerance } => problem.run(&mut Rkc2::new(tolerance, MAX_STEP)),
         };
         let outcome = match run {
             Ok(run) => Outcome::Finished {

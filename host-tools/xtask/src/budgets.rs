@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 1.02;
 
 /// How wasm-opt makes a module smallest: again and again, then with repeated constants in locals. The low 1 KiB of
 /// memory is the far end of the stack, which no address of the code points to.
-const SMALLEST: &str = "-Oz --low-memory-unused --converge --const-hoisting --reorder-functions";
+const MIN: &str = "-Oz --low-memory-unused --converge --const-hoisting --reorder-functions";
 
 /// Random queries of which a typical one's cost is the median.
 const QUERIES: usize = 1001;
@@ -266,7 +266,7 @@ fn module(library: &Library) -> Result<PathBuf> {
         target_directory().join(wasm::TARGET).join(name)
     });
     std::fs::copy(&built, &optimised).with_context(|| built.display().to_string())?;
-    wasm::optimise(&optimised, SMALLEST)?;
+    wasm::optimise(&optimised, MIN)?;
     Ok(optimised)
 }
 

@@ -60,7 +60,7 @@ impl Asker {
                 EvaluateError::Value { .. } => "error-value",
                 EvaluateError::Parameter { .. } => "error-parameter",
                 EvaluateError::FarFromSamples { .. } => "error-far-from-samples",
-                EvaluateError::FarOutside { .. } => "error-far-outside",
+                EvaluateError::BeyondExtrapolation { .. } => "error-beyond-extrapolation",
                 EvaluateError::OutsideDomain { .. } => "error-outside-domain",
                 EvaluateError::BeyondSteadyLimit { .. } => "error-beyond-steady-limit",
                 EvaluateError::Weights { .. } => "error-weights",

@@ -1,7 +1,7 @@
 //! Products of singles by AVX2.
 
 use super::{Block, multiply};
-use crate::linalg::{LANES, part};
+use crate::linalg::{LANES, slice_or_empty};
 
 /// As [`multiply`], of singles, by instructions of AVX2 if the machine knows them.
 pub(crate) fn multiply_singles<const B: usize, const P: usize>(
@@ -37,7 +37,7 @@ fn side_by_side<const B: usize>(
 ) -> [[[f32; LANES]; B]; 2] {
     // One length for all, so that the loop looks at one.
     let count = pairs.len().min(first.len()).min(second.len());
-    let [first, second] = [first, second].map(|panel| part(panel, 0..count));
+    let [first, second] = [first, second].map(|panel| slice_or_empty(panel, 0..count));
     // Of the first row of every two, and of the second: four of one panel, then four of the other.
     let mut sums = [[simd.splat_i32x8(0); 2]; B];
     for ((first, second), pairs) in first.iter().zip(second).zip(pairs) {

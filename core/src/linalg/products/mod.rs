@@ -56,8 +56,8 @@ fn half<T: Real, const B: usize, const FIRST: usize>(
     };
     // Two blocks at a time: half the steps.
     let count = panel.len().min(pairs.len());
-    let (blocks, last) = super::part(panel, 0..count).as_chunks::<2>();
-    let (pairs, last_pair) = super::part(pairs, 0..count).as_chunks::<2>();
+    let (blocks, last) = super::slice_or_empty(panel, 0..count).as_chunks::<2>();
+    let (pairs, last_pair) = super::slice_or_empty(pairs, 0..count).as_chunks::<2>();
     let mut sums = [T::NO_WHOLE; 4];
     for ([first, second], [pair, next]) in blocks.iter().zip(pairs) {
         sums = add(sums, first, pair);

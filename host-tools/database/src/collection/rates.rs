@@ -9,7 +9,7 @@ use crate::DatabaseError;
 /// The most that the way from one snapshot to the next may differ from that by the mean of both velocities, as a share
 /// of the greater one, in half of all intervals. A motion that the instants resolve differs by a few per cent, and one
 /// that they do not by a half; velocities of another unit or sign by all.
-const MOST: f64 = 0.9;
+const MAX: f64 = 0.9;
 /// Ways shorter than this share of the longest are rest.
 const REST: f64 = 1e-6;
 
@@ -42,7 +42,7 @@ pub(super) fn check(collection: &Collection) -> Result<(), DatabaseError> {
         .iter()
         .map(|interval| interval[2] / greater(interval))
         .collect();
-    if shares.is_empty() || median(&mut shares) <= MOST {
+    if shares.is_empty() || median(&mut shares) <= MAX {
         return Ok(());
     }
     let mut ratios: Vec<f64> = intervals

@@ -65,7 +65,7 @@ pub enum Integration {
 }
 
 /// Longest step of the stabilised integrator (l/V).
-const GREATEST_STEP: f64 = 0.2;
+const MAX_STEP: f64 = 0.2;
 
 impl Integration {
     /// A scheme that has made no step yet.
@@ -73,7 +73,7 @@ impl Integration {
         match *integrator {
             Integrator::ForwardEuler { step } => Self::FixedStep(FixedStep::new(Scheme::ForwardEuler, step)),
             Integrator::Ralston { step } => Self::FixedStep(FixedStep::new(Scheme::Ralston, step)),
-            Integrator::Rkc2 { tolerance } => Self::Rkc2(Rkc2::new(tolerance, GREATEST_STEP)),
+            Integrator::Rkc2 { tolerance } => Self::Rkc2(Rkc2::new(tolerance, MAX_STEP)),
         }
     }
 }

@@ -36,7 +36,7 @@ const RADIUS_AGE: usize = 25;
 /// More stages accumulate round-off and lose more work when a step is rejected.
 const STAGE_LIMIT: usize = 300;
 /// Below this step (in units of the greatest) the problem is not the step.
-const SMALLEST_STEP: f64 = 1e-6;
+const MIN_STEP: f64 = 1e-6;
 
 impl Rkc2 {
     /// Steps up to `greatest_step` whose estimated error, entry by entry, is at most `tolerance`.
@@ -123,7 +123,7 @@ impl<E> Stepper<E> for Rkc2 {
                 .next
                 .unwrap_or(self.greatest_step.min(1.0 / self.radius))
                 .min(self.greatest_step);
-            if wanted < SMALLEST_STEP * self.greatest_step {
+            if wanted < MIN_STEP * self.greatest_step {
                 return Err(match failure {
                     Some(source) => StepError::Evaluation {
                         time: state.time,
@@ -131,7 +131,7 @@ impl<E> Stepper<E> for Rkc2 {
                     },
                     None => StepError::StepTooSmall {
                         time: state.time,
-                        step: SMALLEST_STEP * self.greatest_step,
+                        step: MIN_STEP * self.greatest_step,
                     },
                 });
             }

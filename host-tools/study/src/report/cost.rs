@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use capsule_core::model::wire::Contents;
-use capsule_core::{Evaluator, Frame, Method, Model, Playback, Query, Real, Scheme, Workspace, playback_room};
+use capsule_core::{Evaluator, Frame, Method, Model, Playback, Query, Real, Scheme, Workspace, playback_len};
 use capsule_offline::{Progress, Settings, Truncation, build};
 use capsule_plot::{Axis, Mark};
 
@@ -155,7 +155,7 @@ impl Comparison {
     ) -> Result<(), StudyError> {
         let errors = errors(model, &self.truths, &query)?;
         let mut workspace = Box::new(Workspace::<T>::new());
-        let mut playback = Playback::new(vec![T::ZERO; playback_room(model)]);
+        let mut playback = Playback::new(vec![T::ZERO; playback_len(model)]);
         let end = f64::from(model.end_time());
         let times: Vec<T> = (1..=INSTANTS)
             .map(|i| T::from_f64(end * i as f64 / INSTANTS as f64))
@@ -170,7 +170,7 @@ impl Comparison {
             let mut least = f64::INFINITY;
             for _ in 0..self.repetitions {
                 // Else the same query would be answered from what is kept of it.
-                workspace.forget();
+                workspace.invalidate();
                 let start = Instant::now();
                 let mut evaluator = Evaluator::new(model, &mut workspace)?;
                 evaluator.prepare(&query)?;

@@ -98,7 +98,7 @@ pub(super) fn reduction(
 type OfValues = fn(&[f64]) -> Vec<f64>;
 
 fn spectra(sheet: &mut Sheet, built: &BuildReport, design: &str) -> Result<Section, StudyError> {
-    const MOST: usize = 100;
+    const MAX: usize = 100;
     let mut section = Section::new(
         "Decay of the singular values (Figs. 8 and 9)",
         &format!(
@@ -123,7 +123,7 @@ fn spectra(sheet: &mut Sheet, built: &BuildReport, design: &str) -> Result<Secti
                 .iter()
                 .filter(|spectrum| spectrum.matrix.starts_with(kind))
                 .map(|spectrum| {
-                    let points = of(&spectrum.singular_values).into_iter().take(MOST).enumerate();
+                    let points = of(&spectrum.singular_values).into_iter().take(MAX).enumerate();
                     (
                         spectrum.matrix.to_owned(),
                         Mark::Line,
@@ -132,7 +132,7 @@ fn spectra(sheet: &mut Sheet, built: &BuildReport, design: &str) -> Result<Secti
                 });
             let mut series: Vec<Series> = series.collect();
             if figure == "8" {
-                series.push(("1e-7".to_owned(), Mark::Line, vec![(1.0, 1e-7), (MOST as f64, 1e-7)]));
+                series.push(("1e-7".to_owned(), Mark::Line, vec![(1.0, 1e-7), (MAX as f64, 1e-7)]));
             }
             let curves = Curves {
                 title: format!("{label}, {modes}"),

@@ -96,7 +96,10 @@ fn count<T: Real>(check: &mut Check, samples: &[[f64; 2]], query: [f64; 2]) {
                 let lebesgue = weights.lebesgue().to_f64();
                 (sum - 1.0).abs() < 1e-6 * (1.0 + lebesgue) && lebesgue < USELESS && weights.deviation().is_finite()
             }
-            Err(error) => matches!(error, EvaluateError::Weights { .. } | EvaluateError::FarOutside { .. }),
+            Err(error) => matches!(
+                error,
+                EvaluateError::Weights { .. } | EvaluateError::BeyondExtrapolation { .. }
+            ),
         };
         check.count(outcome.is_ok(), right, || match &outcome {
             Ok(()) => format!("{by}, {query:?}: sum |L| = {}", weights.lebesgue()),
