@@ -31,20 +31,20 @@
 #include <stdint.h>
 
 // The most modes of a field that a workspace holds, the translation included.
-#define MAX_MODES 129
+#define CAPSULE_MAX_MODES 129
 
 #if !defined(CAPSULE_DIRECT)
 // The most local modes of a field that a workspace holds.
-#define MAX_LOCAL_MODES 16
+#define CAPSULE_MAX_LOCAL_MODES 16
 #endif
 
 #if defined(CAPSULE_DIRECT)
 // None, as the library is without the paper's method.
-#define MAX_LOCAL_MODES 0
+#define CAPSULE_MAX_LOCAL_MODES 0
 #endif
 
 // The most samples that take part in a query.
-#define MAX_NEIGHBOURS 32
+#define CAPSULE_MAX_NEIGHBOURS 32
 
 #if !defined(CAPSULE_DIRECT)
 // Words of eight bytes in a workspace.
@@ -341,7 +341,7 @@ typedef struct capsule_membrane {
 extern "C" {
 #endif // __cplusplus
 
-// What the status means, in a sentence that ends with a zero.
+// The meaning of a status, as a sentence that ends with a zero.
 const char *capsule_v1_status_text(uint32_t status);
 
 // Opens the model file of `length` bytes: checks it, and fills `model`, of which `size` is `sizeof *model`. Nothing is
@@ -352,7 +352,7 @@ capsule_status capsule_v1_open(struct capsule_model *model,
                                size_t length,
                                struct capsule_error *error);
 
-// Says what a model is.
+// Describes a model.
 capsule_status capsule_v1_describe(const struct capsule_model *model,
                                    struct capsule_description *description,
                                    struct capsule_error *error);

@@ -56,18 +56,18 @@ impl Bytes {
         if self.start == 0 { Self::NONE } else { self }
     }
 
-    fn judge(&self) -> Result<(), Status> {
+    fn validate(&self) -> Result<(), Status> {
         if self.start == 0 {
             return Err(Status::Null);
         }
         if !self.start.is_multiple_of(self.alignment.into()) {
             return Err(Status::Misaligned);
         }
-        self.whole_end().map(|_| ()).ok_or(Status::Overlap)
+        self.checked_end().map(|_| ()).ok_or(Status::Overlap)
     }
 
     /// The end of all values; none beyond the end of memory. A slice of Rust may not be longer than an isize can say.
-    fn whole_end(&self) -> Option<usize> {
+    fn checked_end(&self) -> Option<usize> {
         let length = self.count.checked_mul(self.size.into())?;
         isize::try_from(length).ok()?;
         self.start.checked_add(length)
@@ -76,7 +76,7 @@ impl Bytes {
     /// The end of all values. A count that no memory has says nothing of where they end: then that of the first.
     fn end(&self) -> usize {
         let first = self.start.saturating_add(self.size.into());
-        self.whole_end().unwrap_or(first)
+        self.checked_end().unwrap_or(first)
     }
 
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
@@ -87,7 +87,7 @@ impl Bytes {
 /// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, be these sound or
 /// not.
 pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status> {
-    error.judge()?;
+    error.validate()?;
     if buffers.iter().any(|bytes| bytes.overlaps(&error)) {
         return Err(Status::Overlap);
     }
@@ -97,7 +97,7 @@ pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status>
 /// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory, and those that the
 /// call would write over the bytes of a model's file.
 pub(crate) fn check(buffers: &[Bytes], file: Bytes) -> Result<(), Status> {
-    buffers.iter().try_for_each(Bytes::judge)?;
+    buffers.iter().try_for_each(Bytes::validate)?;
     for (i, a) in buffers.iter().enumerate() {
         if a.written && a.overlaps(&file) || buffers.iter().take(i).any(|b| a.overlaps(b)) {
             return Err(Status::Overlap);
@@ -147,14 +147,14 @@ impl<T> Place<T> {
     }
 
     /// Whether it may be read.
-    pub(crate) fn is_sound(&self) -> bool {
-        self.read().judge().is_ok()
+    pub(crate) fn is_valid(&self) -> bool {
+        self.read().validate().is_ok()
     }
 
     /// Where it starts.
     ///
     /// # Safety
-    /// [`check`] has passed it, or it [is sound](Self::is_sound).
+    /// [`check`] has passed it, or it [is valid](Self::is_valid).
     pub(crate) unsafe fn start(&self) -> NonNull<T> {
         // SAFETY: not null.
         unsafe { NonNull::new_unchecked(self.0) }

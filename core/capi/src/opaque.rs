@@ -111,7 +111,7 @@ impl Place<Model> {
     /// # Safety
     /// As [`content`](Self::content).
     pub(crate) unsafe fn file(&self) -> Bytes {
-        // SAFETY: the caller keeps what is asked for.
+        // SAFETY: the caller keeps this function's contract.
         let content = unsafe { self.content() };
         content.map_or(Bytes::NONE, |model| {
             let file = model.file();
@@ -165,7 +165,7 @@ impl<O: Opaque> Place<O> {
     ///
     /// # Safety
     /// As [`room`](Self::room).
-    unsafe fn judge(&self) -> Result<(), Status> {
+    unsafe fn validate(&self) -> Result<(), Status> {
         // SAFETY: the tag is the first word of the object; a caller who leaves it uninitialised gets some number.
         let tag = unsafe { self.start().cast::<u32>().read() };
         if tag == O::TAG { Ok(()) } else { Err(O::MISSING) }
@@ -179,7 +179,7 @@ impl<O: Opaque> Place<O> {
     pub(crate) unsafe fn content<'a>(&self) -> Result<&'a O::Content, Status> {
         // SAFETY: the tag says that the content was written.
         unsafe {
-            self.judge()?;
+            self.validate()?;
             Ok(&self.tagged().as_ref().content)
         }
     }
@@ -191,7 +191,7 @@ impl<O: Opaque> Place<O> {
     pub(crate) unsafe fn content_mut<'a>(&self) -> Result<&'a mut O::Content, Status> {
         // SAFETY: the tag says that the content was written.
         unsafe {
-            self.judge()?;
+            self.validate()?;
             Ok(&mut self.tagged().as_mut().content)
         }
     }

@@ -60,7 +60,7 @@ fn generate() -> Result<String> {
     bindings.write(&mut bytes);
     let text = String::from_utf8(bytes).context("cbindgen writes UTF-8")?;
     // What Rust wants said of unsafe functions is said once, in the introduction.
-    let text = text.replace("//\n// # Safety\n// See [`functions`](self).\n", "");
+    let text = text.replace("//\n// # Safety\n// See [`functions`](crate::functions).\n", "");
     let Some((declarations, end)) = text.rsplit_once("#endif  /* CAPSULE_H */") else {
         anyhow::bail!("cbindgen wrote no include guard");
     };
