@@ -145,7 +145,7 @@ typedef uint32_t capsule_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// How a query is answered.
+// Method that answers a query.
 enum capsule_method
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -229,7 +229,7 @@ typedef uint32_t capsule_outline;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A model: what was found in a file when it was opened. The file's bytes stay where they are.
+// An opened model. The file's bytes stay where they are.
 typedef struct capsule_model {
   // For the library.
   uint64_t opaque[CAPSULE_MODEL_WORDS];
@@ -244,7 +244,7 @@ typedef struct capsule_error {
   const char *what;
   // Length of `what`.
   size_t what_length;
-  // What was found.
+  // The figure that was found.
   double found;
   // The least that would be right.
   double least;
@@ -252,7 +252,7 @@ typedef struct capsule_error {
   double greatest;
 } capsule_error;
 
-// What a model is.
+// Description of a model.
 typedef struct capsule_description {
   // CRC-32 of the file's content: identifies the model.
   uint32_t digest;
@@ -297,11 +297,11 @@ typedef struct capsule_workspace {
   uint64_t opaque[CAPSULE_WORKSPACE_WORDS];
 } capsule_workspace;
 
-// A question. Zeros ask for the defaults.
+// A query. Zeros stand for the defaults.
 typedef struct capsule_query {
   // The parameters, in the model's order: for a capsule in the channel Ca, then a/l.
   const float *parameters;
-  // How many there are.
+  // Number of parameters.
   size_t parameter_count;
   // A `capsule_method`.
   uint32_t method;

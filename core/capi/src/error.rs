@@ -15,7 +15,7 @@ pub struct Error {
     pub what: *const c_char,
     /// Length of `what`.
     pub what_length: usize,
-    /// What was found.
+    /// The figure that was found.
     pub found: f64,
     /// The least that would be right.
     pub least: f64,

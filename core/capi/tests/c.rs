@@ -13,7 +13,7 @@ use std::process::Command;
 const EXAMPLES: [&str; 4] = ["quick_start", "instrument", "two_models", "slices"];
 /// The libraries: with both methods, and without the paper's.
 const LIBRARIES: [&str; 2] = ["lib/libcapsule.a", "lib/libcapsule_direct.a"];
-/// What a program for the second says.
+/// Output of a program for the second.
 const DIRECT: &str = "-DCAPSULE_DIRECT";
 const STRICT: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
@@ -58,7 +58,7 @@ fn package(variable: &str) -> PathBuf {
         .into()
 }
 
-/// What a program prints; it must succeed.
+/// Output of a program, which must succeed.
 fn run(command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     assert!(
@@ -111,7 +111,7 @@ fn on_host(compiler: &str, options: &[&str], example: &str, name: &str) -> PathB
     build(compiler, options, &package("CAPSULE_HOST_PACKAGE"), example, name, &[])
 }
 
-/// What the example says where nothing watches it.
+/// Output of the example without a debugger.
 fn said(example: &str, name: &str) -> String {
     run(&mut Command::new(on_host("gcc", &["-O2"], example, name)))
 }
