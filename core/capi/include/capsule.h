@@ -30,6 +30,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// Version of the library.
+#define CAPSULE_VERSION "0.1.0"
+#define CAPSULE_VERSION_MAJOR 0
+#define CAPSULE_VERSION_MINOR 1
+#define CAPSULE_VERSION_PATCH 0
+
 // The most modes of a field that a workspace holds, the translation included.
 #define CAPSULE_MAX_MODES 129
 
@@ -341,6 +347,9 @@ typedef struct capsule_membrane {
 extern "C" {
 #endif // __cplusplus
 
+// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled with.
+const char *capsule_v1_version(void);
+
 // The meaning of a status, as a sentence that ends with a zero.
 const char *capsule_v1_status_text(uint32_t status);
 
@@ -479,6 +488,7 @@ capsule_status capsule_v1_membrane_at(const struct capsule_model *model,
 #endif  // __cplusplus
 
 /* Plain names of the functions of this version. */
+#define capsule_version capsule_v1_version
 #define capsule_status_text capsule_v1_status_text
 #define capsule_open capsule_v1_open
 #define capsule_describe capsule_v1_describe

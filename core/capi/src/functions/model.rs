@@ -7,6 +7,13 @@ use crate::{Description, Method, Model, Parameter, Status, Workspace};
 use capsule_core as rom;
 use core::ffi::{c_char, c_void};
 
+/// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled with.
+#[unsafe(no_mangle)]
+pub extern "C" fn capsule_v1_version() -> *const c_char {
+    const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+    VERSION.as_ptr().cast()
+}
+
 /// The meaning of a status, as a sentence that ends with a zero.
 #[unsafe(no_mangle)]
 pub extern "C" fn capsule_v1_status_text(status: u32) -> *const c_char {
