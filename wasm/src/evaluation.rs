@@ -81,7 +81,7 @@ impl Evaluation {
         };
         let model = self.shared.core();
         let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&query);
-        let domain = prepared.map_err(|error| JsError::new(&error.named(model).to_string()))?;
+        let domain = prepared.map_err(|error| JsError::new(&model.describe(error).to_string()))?;
         self.query = Some(query);
         Ok(domain.name().to_owned())
     }

@@ -6,39 +6,46 @@
 
 mod checksum;
 mod curve;
+#[cfg(feature = "write")]
 mod encode;
+mod error;
+mod header;
+mod indices;
 mod matrix;
 mod mesh;
+#[cfg(not(feature = "write"))]
+mod panels;
+#[cfg(feature = "write")]
+pub mod panels;
+mod products;
+mod quantized;
 mod read;
 mod validate;
+#[cfg(not(feature = "write"))]
+pub(crate) mod wire;
+#[cfg(feature = "write")]
 pub mod wire;
 
 pub use curve::Curve;
+#[cfg(feature = "write")]
 pub use encode::encode;
-pub(crate) use matrix::{Factors, Vectors};
-pub use matrix::{Indices, MatrixView};
+#[cfg(feature = "write")]
+pub use error::EncodeError;
+pub use error::OpenError;
+pub use indices::Indices;
+pub use matrix::MatrixView;
 pub use mesh::Mesh;
 pub(crate) use mesh::{apply, components};
+pub(crate) use quantized::{QuantizedRef, QuantizedVectors};
+pub use wire::{DIAGONAL, MIDPLANE};
 
-use crate::error::{EvaluateError, OpenError};
+use crate::error::EvaluateError;
 use crate::{Domain, Parameters, Real};
 use core::fmt;
 use core::mem::MaybeUninit;
-use read::{Cursor, Part};
+use header::payload;
+use read::{Decode, Reader};
 use wire::{Cluster, Contents, Reference};
-
-/// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole. A model has it only if the symmetry of
-/// its mesh holds these nodes in their plane.
-pub const MIDPLANE: &str = "midplane";
-/// Name of the node set of the outline y = z >= 0, front pole to rear pole, under the same condition.
-pub const DIAGONAL: &str = "diagonal";
-
-const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 10;
-const HEADER_LENGTH: usize = 16;
-
-/// The most samples that a cluster may hold.
-pub(crate) const MAX_SAMPLES: usize = 1 << 16;
 
 /// Rounding that a parameter may carry and still count as within a range: singles of the file against doubles of the
 /// caller.
@@ -86,7 +93,7 @@ impl<'a> Model<'a> {
     fn read(&mut self, file: &'a [u8]) -> Result<(), OpenError> {
         let (payload, digest) = payload(file)?;
         (self.digest, self.file) = (digest, file);
-        let mut message = Cursor::new(payload);
+        let mut message = Reader::new(payload);
         self.contents.read(&mut message);
         match message.end().ok_or(OpenError::Undecodable)? {
             0 => validate::contents(&self.contents),
@@ -120,8 +127,23 @@ impl<'a> Model<'a> {
     }
 
     /// The decoded message.
+    #[cfg(feature = "write")]
     pub fn contents(&self) -> &Contents<'a> {
         &self.contents
+    }
+
+    /// The decoded message.
+    #[cfg(not(feature = "write"))]
+    pub(crate) fn contents(&self) -> &Contents<'a> {
+        &self.contents
+    }
+
+    /// An error in words, with the names of the model's parameters.
+    pub fn describe(&self, error: EvaluateError) -> impl fmt::Display + use<'a> {
+        let parameters = self.contents.metadata.parameters.iter();
+        let names: heapless::Vec<&'a str, { wire::MAX_PARAMETERS }> =
+            parameters.map(|parameter| parameter.name).collect();
+        fmt::from_fn(move |f| error.write(f, &names))
     }
 
     /// The surface mesh.
@@ -228,49 +250,5 @@ impl<'a> Model<'a> {
         };
         let clusters = &self.contents.clusters;
         clusters.iter().find(reaches).or(clusters.last())
-    }
-}
-
-/// The payload of a file and its CRC-32, if the header is right.
-#[inline(never)]
-fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
-    let truncated = |expected| OpenError::Truncated {
-        expected,
-        found: file.len(),
-    };
-    let (header, body) = file
-        .split_first_chunk::<HEADER_LENGTH>()
-        .ok_or(truncated(HEADER_LENGTH))?;
-    let &[magic, version, length, checksum] = header.as_chunks::<4>().0 else {
-        return Err(truncated(HEADER_LENGTH));
-    };
-    if magic != MAGIC {
-        return Err(OpenError::Magic { found: magic });
-    }
-    let (version, length) = (u32::from_le_bytes(version), u32::from_le_bytes(length));
-    let checksum = u32::from_le_bytes(checksum);
-    if version != VERSION {
-        return Err(OpenError::Version {
-            found: version,
-            supported: VERSION,
-        });
-    }
-    let length = length as usize;
-    if body.len() < length {
-        return Err(truncated(HEADER_LENGTH.saturating_add(length)));
-    }
-    if body.len() > length {
-        return Err(OpenError::TrailingBytes {
-            found: body.len() - length,
-        });
-    }
-    let found = checksum::checksum(body);
-    if found == checksum {
-        Ok((body, found))
-    } else {
-        Err(OpenError::Checksum {
-            expected: checksum,
-            found,
-        })
     }
 }

@@ -201,7 +201,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         ..Query::new(given, method)
     };
     let prepared = evaluator.prepare(&query);
-    let domain = prepared.map_err(|error| anyhow!("{}", error.named(model)))?;
+    let domain = prepared.map_err(|error| anyhow!("{}", model.describe(error)))?;
 
     let mut mechanics = Mechanics::new(model, &options.fields, given.get(0))?;
     let instants = times

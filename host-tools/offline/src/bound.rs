@@ -13,7 +13,7 @@ use crate::assembled::Assembled;
 use crate::compare::{METHODS, distances, predictions};
 use crate::plan::{Plan, Reduced};
 use crate::samples::{SAME_ROW, Sample};
-use crate::writer::ClusterParts;
+use crate::writer::OwnedCluster;
 use capsule_core::model::wire::Method;
 use capsule_core::{Domain, Model, Parameters};
 
@@ -148,7 +148,7 @@ fn rows_left_out(
     plan: &Plan,
     cluster: &Reduced,
     place: usize,
-    parts: &ClusterParts,
+    parts: &OwnedCluster,
 ) -> Result<Vec<Ratios>, OfflineError> {
     let parameters = plan.ranges().len();
     let last = parameters - 1;

@@ -15,7 +15,7 @@ use crate::limit::SteadyLimit;
 use crate::plan::Plan;
 use crate::pod::{DoublePod, Snapshots};
 use crate::spectra::laboratory;
-use crate::writer::{ErrorParts, Numbers};
+use crate::writer::{OwnedErrors, StoredMatrix};
 use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum};
 
 /// What a build found.
@@ -161,7 +161,7 @@ pub fn build<'a>(
     for cluster in 0..model.built.len() {
         let changes = changes(&model, cluster)?;
         for (errors, changes) in model.built[cluster].parts.errors.iter_mut().zip(&changes) {
-            errors.changes = Numbers::column(changes);
+            errors.changes = StoredMatrix::column(changes);
         }
     }
     bound_intervals(&mut model, two.as_ref())?;
@@ -172,7 +172,7 @@ pub fn build<'a>(
     let mut reports = Vec::new();
     for (cluster, mut built) in reduced.iter().zip(built) {
         for (errors, factors) in built.parts.errors.iter_mut().zip(&factors) {
-            errors.bound_factors = Numbers::column(factors);
+            errors.bound_factors = StoredMatrix::column(factors);
         }
         let floors = built.parts.errors.each_ref().map(|errors| errors.floor);
         for (matrix, values) in [("S", &built.pod.parameter_values), ("T", &built.pod.space_values)] {
@@ -225,20 +225,20 @@ fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assemb
             let of_method = left_out.iter().filter(|e| e.cluster == cluster && e.method == method);
             let errors = &mut model.built[cluster].parts.errors[m];
             *errors = if left_out.is_empty() {
-                ErrorParts {
+                OwnedErrors {
                     floor,
                     ..errors.clone()
                 }
             } else {
-                ErrorParts::new(of_method, model.plan.error_times().len(), floor)
+                OwnedErrors::new(of_method, model.plan.error_times().len(), floor)
             };
         }
         let floor = model.built[cluster].parts.errors[0].floor;
         let between = interval_errors(&model.plan, cluster, floor, coarser)?;
         let parts = &mut model.built[cluster].parts;
         let intervals = between.first().map_or(0, Vec::len);
-        parts.interval_errors = Numbers::new(between.len(), intervals, |j, i| between[j][i]);
-        parts.interval_bound_factors = Numbers::new(intervals, usize::from(intervals > 0), |_, _| 1.0);
+        parts.interval_errors = StoredMatrix::new(between.len(), intervals, |j, i| between[j][i]);
+        parts.interval_bound_factors = StoredMatrix::new(intervals, usize::from(intervals > 0), |_, _| 1.0);
     }
     Ok(())
 }
@@ -251,7 +251,7 @@ fn bound_intervals(model: &mut Assembled, coarser: Option<&Assembled>) -> Result
     for (cluster, built) in model.built.iter_mut().enumerate() {
         let factors = interval_bound_factors(coarser, cluster)?;
         let factor = |interval: usize| factors[(interval / 2).min(factors.len() - 1)];
-        built.parts.interval_bound_factors = Numbers::new(intervals, 1, |interval, _| factor(interval));
+        built.parts.interval_bound_factors = StoredMatrix::new(intervals, 1, |interval, _| factor(interval));
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ use crate::pod::{DoublePod, Snapshots};
 use crate::samples::{Part, SAME_ROW, Sample, Truth, clusters, common_symmetry, instants, of_collection, read};
 use crate::scaling::Scaling;
 use crate::surfaces::Surfaces;
-use crate::writer::{ClusterParts, Domain, MeshParts, Units, write};
+use crate::writer::{Domain, OwnedCluster, OwnedMesh, Units, write};
 use crate::{OfflineError, Progress, Settings};
 
 /// Instants closer than this (l/V) are the same.
@@ -47,7 +47,7 @@ pub(crate) struct Plan<'a> {
     pub(crate) stride: usize,
     /// The order of the symmetry.
     pub(crate) symmetry: usize,
-    pub(crate) mesh: MeshParts,
+    pub(crate) mesh: OwnedMesh,
     pub(crate) domain: Domain,
     pub(crate) brackets: Vec<SteadyLimit>,
     pub(crate) jumps: Vec<Jump>,
@@ -65,7 +65,7 @@ pub(crate) struct Reduced {
 
 /// A cluster built from some of its samples.
 pub(crate) struct Built {
-    pub(crate) parts: ClusterParts,
+    pub(crate) parts: OwnedCluster,
     pub(crate) pod: DoublePod,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Plan<'a> {
     fn of_database(database: &Database, settings: &'a Settings, progress: Progress) -> Result<Self, OfflineError> {
         check_parameters(database)?;
         let symmetry = database.symmetry();
-        let mesh = MeshParts::new(database.mesh(), symmetry, Reference::Sphere)?;
+        let mesh = OwnedMesh::new(database.mesh(), symmetry, Reference::Sphere)?;
         let names = Source::Database(database).parameter_names();
         let entries = database.entries()?;
         let brackets = steady_limits(&entries);
@@ -159,7 +159,7 @@ impl<'a> Plan<'a> {
             origin: 0.0,
             volumes,
         };
-        let mesh = MeshParts::new(&reference, &symmetry, shape)?;
+        let mesh = OwnedMesh::new(&reference, &symmetry, shape)?;
         let surfaces = Surfaces {
             derived: collection.velocities_are_derived(),
             collection: working,
@@ -198,7 +198,7 @@ impl<'a> Plan<'a> {
 
     fn of_surfaces(
         surfaces: Surfaces,
-        mesh: MeshParts,
+        mesh: OwnedMesh,
         scaling: Scaling,
         given: &'a Settings,
         (units, database_digest): (Units, String),
@@ -350,7 +350,7 @@ impl<'a> Plan<'a> {
             .iter()
             .map(|j| &self.samples[cluster.part.members[*j]].parameters[..])
             .collect();
-        let parts = ClusterParts::new(
+        let parts = OwnedCluster::new(
             cluster.part.range,
             &parameters,
             &cluster.snapshots,
@@ -363,7 +363,7 @@ impl<'a> Plan<'a> {
     }
 
     /// A model in the working units.
-    pub(crate) fn write(&self, clusters: &[&ClusterParts]) -> Result<Vec<u8>, OfflineError> {
+    pub(crate) fn write(&self, clusters: &[&OwnedCluster]) -> Result<Vec<u8>, OfflineError> {
         let scaling = Scaling::none(&self.domain.ranges);
         write(
             [self.given, &self.settings],
@@ -375,7 +375,7 @@ impl<'a> Plan<'a> {
     }
 
     /// A model in the units of its data.
-    pub(crate) fn write_in_given_units(&self, clusters: &[&ClusterParts]) -> Result<Vec<u8>, OfflineError> {
+    pub(crate) fn write_in_given_units(&self, clusters: &[&OwnedCluster]) -> Result<Vec<u8>, OfflineError> {
         write(
             [self.given, &self.settings],
             &self.domain,

@@ -1,5 +1,6 @@
 //! The double POD of displacement and velocity together (paper, section 3.2, eqs. 15 to 22), with time in splines.
 
+use capsule_core::model::panels::LANES;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use std::ops::Range;
@@ -28,9 +29,6 @@ const CORE_DIGITS_SHARE: f64 = 0.3;
 const AXIAL_SHARE: f64 = 0.025;
 /// The tolerance of all else where ranks are given instead, l.
 const RANKS_TOLERANCE: f64 = 2e-4;
-
-/// Rows of a panel, see [`capsule_core::model::wire::Encoding`]: ranks and the rows of slices are multiples of it.
-pub(crate) const LANES: usize = 8;
 
 /// The most modes of the translation that the core holds.
 const MAX_AXIAL: usize = 16;
@@ -228,7 +226,7 @@ impl Snapshots {
             let rank = modes.ncols() + rank(&values, tolerance, self.nodes * stacked.ncols());
             let rank = rank.next_multiple_of(LANES).min(MAX_MODES);
             let others = leading(&others, rank - modes.ncols());
-            modes = hstack(&[&modes, &beside(&modes, &others)]);
+            modes = hstack(&[&modes, &orthogonal_complement(&modes, &others)]);
         }
         Ok(modes)
     }
@@ -248,7 +246,7 @@ impl Snapshots {
     }
 
     /// How many of the leading modes need two digits an entry; `greatest` is the greatest entry of a mode at the nodes.
-    pub(crate) fn coarse_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
+    pub(crate) fn wide_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
         let count = pod.modes.ncols();
         let snapshots = (self.shape[0].ncols() * pod.samples()) as f64;
         // Of each of the three components of a node, times the mode's mean square coefficient.
@@ -259,7 +257,7 @@ impl Snapshots {
     }
 
     /// How many of a span's leading parameter modes do.
-    pub(crate) fn coarse_parameter_modes(&self, pod: &DoublePod, span: &SpanPod) -> usize {
+    pub(crate) fn wide_parameter_modes(&self, pod: &DoublePod, span: &SpanPod) -> usize {
         let psi = &span.parameter_modes;
         let greatest = |l: usize| (0..psi.nrows()).map(|j| psi[(j, l)].abs()).fold(0.0, f64::max);
         // Times the mean square of what the mode is multiplied by at the nodes.
@@ -269,7 +267,7 @@ impl Snapshots {
     }
 
     /// How many of the leading columns of its core do.
-    pub(crate) fn coarse_columns(&self, pod: &DoublePod, span: &SpanPod) -> usize {
+    pub(crate) fn wide_core_columns(&self, pod: &DoublePod, span: &SpanPod) -> usize {
         let (samples, columns) = span.parameter_modes.shape();
         let greatest =
             |slice: &Mat<f64>, k: usize, from: usize| (from..columns).map(|l| slice[(k, l)].abs()).fold(0.0, f64::max);
@@ -342,7 +340,7 @@ fn rank(values: &[f64], tolerance: f64, count: usize) -> usize {
 
 /// What unit vectors add to orthonormal ones. Directions in which next to nothing is left of the snapshots may be any,
 /// and those that lie in the span of the others fall out.
-fn beside(known: &Mat<f64>, vectors: &Mat<f64>) -> Mat<f64> {
+fn orthogonal_complement(known: &Mat<f64>, vectors: &Mat<f64>) -> Mat<f64> {
     let left = vectors - product(known, &product(&known.transpose().to_owned(), vectors));
     let new: Vec<usize> = (0..left.ncols()).filter(|k| left.col(*k).norm_l2() > 0.5).collect();
     let new = Mat::from_fn(left.nrows(), new.len(), |r, k| left[(r, new[k])]);
@@ -567,7 +565,7 @@ mod tests {
         let psi = |j: usize| (0..columns).map(move |l| (l, j));
         let mean = |sum: f64| sum / (4 * span.slices.len() * samples) as f64;
         let budget = snapshots.digits(&pod, CORE_DIGITS_SHARE);
-        let coarse = snapshots.coarse_columns(&pod, span);
+        let coarse = snapshots.wide_core_columns(&pod, span);
         assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
         let error = |coarse: usize| {
             let mut sum = 0.0;
@@ -592,7 +590,7 @@ mod tests {
         assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
 
         let budget = snapshots.digits(&pod, DIGITS_SHARE);
-        let coarse = snapshots.coarse_parameter_modes(&pod, span);
+        let coarse = snapshots.wide_parameter_modes(&pod, span);
         assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
         let error = |coarse: usize| {
             let modes: Vec<Vec<f64>> = (0..columns)

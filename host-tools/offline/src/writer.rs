@@ -1,9 +1,10 @@
 //! From reduced clusters to the bytes of a model file.
 
 use capsule_core::interpolate::Coordinates;
+use capsule_core::model::panels::{LANES, Layout};
 use capsule_core::model::wire::{
-    self, Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference,
-    Samples, Span,
+    self, Blob, Cluster, Contents, Encoding, Errors, Field, Matrix, Metadata, NodeSet, Parameter, Reference, Samples,
+    Span, Widths,
 };
 use capsule_core::model::{Curve, MatrixView, encode};
 use capsule_core::{DIAGONAL, MIDPLANE, Parameters};
@@ -11,7 +12,7 @@ use capsule_database::{Mesh, Symmetry};
 use faer::Mat;
 use std::ops::Range;
 
-use crate::pod::{DoublePod, LANES, Snapshots, SpanPod};
+use crate::pod::{DoublePod, Snapshots, SpanPod};
 use crate::scaling::Scaling;
 use crate::settings::Storage;
 use crate::{LeftOut, OfflineError, Settings};
@@ -21,18 +22,18 @@ const ON_PLANE: f64 = 1e-9;
 
 /// A matrix as the file holds it.
 #[derive(Clone)]
-pub(crate) struct Numbers {
+pub(crate) struct StoredMatrix {
     rows: usize,
     columns: usize,
     encoding: Encoding,
     bytes: Vec<u8>,
 }
 
-impl Numbers {
+impl StoredMatrix {
     pub(crate) fn new(rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
         let value = &value;
         let entries = (0..rows).flat_map(|i| (0..columns).map(move |j| value(i, j) as f32));
-        Numbers {
+        StoredMatrix {
             rows,
             columns,
             encoding: Encoding::F32,
@@ -40,55 +41,42 @@ impl Numbers {
         }
     }
 
-    /// As [`Numbers::new`], but units of the columns or of the rows and multiples of them if the storage is so: the
-    /// first `coarse` columns in two digits, the others in one.
-    fn integers(
+    /// As [`StoredMatrix::new`], but quantised if the storage is so: integer multiples of the scales of the columns or
+    /// rows, in two bytes in the first `wide_columns` columns, in one byte in the others.
+    fn quantized(
         storage: Storage,
-        encoding: fn(Digits) -> Encoding,
-        coarse: usize,
+        encoding: fn(Widths) -> Encoding,
+        wide_columns: usize,
         [rows, columns]: [usize; 2],
         value: impl Fn(usize, usize) -> f64,
     ) -> Self {
-        if storage == Storage::Single {
-            return Numbers::new(rows, columns, value);
-        }
-        let encoding = encoding(Digits { coarse: coarse as u16 });
+        let encoding = encoding(Widths {
+            wide_columns: wide_columns as u16,
+        });
+        let layout = Layout::new(encoding, [rows, columns]);
+        let Some(layout) = layout.filter(|_| storage != Storage::Single) else {
+            return StoredMatrix::new(rows, columns, value);
+        };
         let of_rows = matches!(encoding, Encoding::RowPanels(_));
         let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, x| a.max(x.abs()));
-        let units: Vec<f32> = if of_rows {
+        let scales: Vec<f32> = if of_rows {
             let part = |i, columns: Range<usize>| greatest(&mut columns.map(|j| value(i, j)));
-            let row = |i| unit(part(i, 0..coarse), true).max(unit(part(i, coarse..columns), false));
+            let row = |i| scale(part(i, 0..wide_columns), true).max(scale(part(i, wide_columns..columns), false));
             (0..rows).map(row).collect()
         } else {
             let column = |j| greatest(&mut (0..rows).map(|i| value(i, j)));
-            (0..columns).map(|j| unit(column(j), j < coarse)).collect()
+            (0..columns).map(|j| scale(column(j), j < wide_columns)).collect()
         };
-        let mut bytes: Vec<u8> = units.iter().copied().flat_map(f32::to_le_bytes).collect();
-        let digits = |i: usize, j: usize| {
-            let unit = units[if of_rows { i } else { j }];
-            // A unit is rounded, so a multiple may be one more than the greatest. Of a unit that is 0 every multiple
-            // is.
-            let most = greatest_multiple(j < coarse);
-            let multiple = if unit > 0.0 { value(i, j) / f64::from(unit) } else { 0.0 };
-            let integer = multiple.round().clamp(-most, most) as i32;
-            let last = integer as i8;
-            [((integer - i32::from(last)) / 256) as u8, last as u8]
+        let integer = |i: usize, j: usize| {
+            let scale = f64::from(scales[if of_rows { i } else { j }]);
+            let multiple = if scale > 0.0 { value(i, j) / scale } else { 0.0 };
+            // A scale is rounded to single precision, so a multiple may exceed the greatest by one.
+            let greatest = greatest_multiple(j < wide_columns);
+            multiple.round().clamp(-greatest, greatest) as i32
         };
-        let places = columns + coarse;
-        bytes.extend(if matches!(encoding, Encoding::Columns(_)) {
-            let digit = |place: usize, i| match place.checked_sub(columns) {
-                Some(j) => digits(i, j)[0],
-                None => digits(i, place)[1],
-            };
-            panels([places, rows], digit)
-        } else {
-            let digit = |i, place: usize| match place.checked_sub(2 * coarse) {
-                Some(fine) => digits(i, coarse + fine)[1],
-                None => digits(i, place / 2)[place % 2],
-            };
-            panels([rows, places], digit)
-        });
-        Numbers {
+        let mut bytes = vec![0; layout.byte_len()];
+        layout.pack(&scales, integer, &mut bytes);
+        StoredMatrix {
             rows,
             columns,
             encoding,
@@ -96,22 +84,22 @@ impl Numbers {
         }
     }
 
-    /// The numbers times a factor: of integers their units.
+    /// The matrix times a factor: of a quantised one the scales.
     fn times(&self, factor: f64) -> Self {
-        let numbers = match self.encoding {
-            Encoding::F32 => self.rows * self.columns,
-            Encoding::RowPanels(_) => self.rows,
-            _ => self.columns,
-        };
+        let numbers = self.layout().map_or(self.rows * self.columns, |layout| layout.scales());
         let mut bytes = self.bytes.clone();
         for number in bytes.as_chunks_mut::<4>().0.iter_mut().take(numbers) {
             *number = ((f64::from(f32::from_le_bytes(*number)) * factor) as f32).to_le_bytes();
         }
-        Numbers { bytes, ..*self }
+        StoredMatrix { bytes, ..*self }
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        Layout::new(self.encoding, [self.rows, self.columns])
     }
 
     pub(crate) fn column(values: &[f64]) -> Self {
-        Numbers::new(values.len(), 1, |i, _| values[i])
+        StoredMatrix::new(values.len(), 1, |i, _| values[i])
     }
 
     /// An entry of numbers that are not integers.
@@ -119,20 +107,24 @@ impl Numbers {
         MatrixView::new(&self.matrix()).get(row, column).into()
     }
 
-    /// Without the rows at these places.
+    /// Without the rows at these places. The scales are those of columns, so they stay.
     fn without(&self, out: &[usize]) -> Self {
         let kept: Vec<usize> = (0..self.rows).filter(|row| !out.contains(row)).collect();
-        let bytes = if let Encoding::Columns(Digits { coarse }) = self.encoding {
-            let (units, entries) = self.bytes.split_at(4 * self.columns);
-            let places = self.columns + usize::from(coarse);
-            let digit = |place, i: usize| entries[place_in_panels([place, kept[i]], self.rows)];
-            [units.to_vec(), panels([places, kept.len()], digit)].concat()
+        let bytes = if let (Some(layout), Some(left)) =
+            (self.layout(), Layout::new(self.encoding, [kept.len(), self.columns]))
+        {
+            let scales = self.bytes.as_chunks().0.iter().take(layout.scales());
+            let scales: Vec<f32> = scales.map(|bytes| f32::from_le_bytes(*bytes)).collect();
+            let integer = |i: usize, j| layout.unpack(&self.bytes, kept[i], j).unwrap_or(0);
+            let mut bytes = vec![0; left.byte_len()];
+            left.pack(&scales, integer, &mut bytes);
+            bytes
         } else {
             let width = self.bytes.len() / self.rows.max(1);
             let row = |row: &usize| &self.bytes[row * width..(row + 1) * width];
             kept.iter().flat_map(row).copied().collect()
         };
-        Numbers {
+        StoredMatrix {
             rows: kept.len(),
             bytes,
             ..*self
@@ -144,44 +136,25 @@ impl Numbers {
     }
 }
 
-/// Digits as panels hold them, see [`Encoding`]; zeros beyond the rows and columns.
-fn panels([rows, columns]: [usize; 2], digit: impl Fn(usize, usize) -> u8) -> Vec<u8> {
-    let length = rows.next_multiple_of(LANES) * columns.next_multiple_of(2);
-    let mut bytes = vec![0; length];
-    for row in 0..rows {
-        for column in 0..columns {
-            bytes[place_in_panels([row, column], columns)] = digit(row, column);
-        }
-    }
-    bytes
+/// The scale with which the greatest number becomes the greatest integer of two bytes or of one.
+fn scale(greatest: f64, wide: bool) -> f32 {
+    (greatest / greatest_multiple(wide)) as f32
 }
 
-/// Where the panels of so many columns hold a digit.
-fn place_in_panels([row, column]: [usize; 2], columns: usize) -> usize {
-    let block = row / LANES * columns.div_ceil(2) + column / 2;
-    let word = block * (LANES / 2) + row % LANES / 2;
-    4 * word + 2 * (column % 2) + row % 2
-}
-
-/// The unit in which the greatest number is the greatest integer of two digits or of one.
-fn unit(greatest: f64, two_digits: bool) -> f32 {
-    (greatest / greatest_multiple(two_digits)) as f32
-}
-
-/// The greatest integer of two digits or of one.
-fn greatest_multiple(two_digits: bool) -> f64 {
-    let digit = f64::from(i8::MAX);
-    if two_digits { 256.0 * digit + digit } else { digit }
+/// The greatest integer of two bytes or of one.
+fn greatest_multiple(wide: bool) -> f64 {
+    let byte = f64::from(i8::MAX);
+    if wide { 256.0 * byte + byte } else { byte }
 }
 
 /// The mesh as the file holds it.
 #[derive(Clone)]
-pub(crate) struct MeshParts {
+pub(crate) struct OwnedMesh {
     nodes: usize,
     element_nodes: usize,
     elements: Vec<u8>,
     reference: Reference,
-    sector_reference: Numbers,
+    sector_reference: StoredMatrix,
     operations: Vec<u8>,
     images: Vec<u8>,
     origins: Vec<u8>,
@@ -196,7 +169,7 @@ fn indices<'a>(values: impl IntoIterator<Item = &'a u32>) -> Vec<u8> {
     values.into_iter().flat_map(|v| (*v as u16).to_le_bytes()).collect()
 }
 
-impl MeshParts {
+impl OwnedMesh {
     /// # Errors
     /// [`OfflineError::TooManyNodes`]; [`OfflineError::NoOutline`] for a sphere, while another shape may be without
     /// outlines.
@@ -227,12 +200,12 @@ impl MeshParts {
         let orbits = symmetry.orbit_sizes();
         let flat = mesh.elements.iter().all(Mesh::is_flat);
         let element_nodes = if flat { 3 } else { 6 };
-        Ok(MeshParts {
+        Ok(OwnedMesh {
             nodes: mesh.nodes.len(),
             element_nodes,
             elements: indices(mesh.elements.iter().flat_map(|element| &element[..element_nodes])),
             reference,
-            sector_reference: Numbers::new(sector.len(), 3, |s, d| mesh.nodes[sector[s] as usize][d]),
+            sector_reference: StoredMatrix::new(sector.len(), 3, |s, d| mesh.nodes[sector[s] as usize][d]),
             operations: symmetry.operations.clone(),
             images: indices(&images),
             origins: indices(&origins),
@@ -252,7 +225,7 @@ impl MeshParts {
 
     /// In the units of the data.
     fn scaled(&self, scaling: &Scaling) -> Self {
-        MeshParts {
+        OwnedMesh {
             sector_reference: self.sector_reference.times(scaling.length),
             reference: match self.reference {
                 Reference::Sphere => Reference::Sphere,
@@ -349,26 +322,26 @@ fn outline(
 
 /// Errors of one method at the samples of a cluster.
 #[derive(Clone)]
-pub(crate) struct ErrorParts {
+pub(crate) struct OwnedErrors {
     /// `[N_c, N_e]`
-    pub(crate) left_out: Numbers,
+    pub(crate) left_out: StoredMatrix,
     /// `[N_c, 1]`
-    pub(crate) deviation: Numbers,
+    pub(crate) deviation: StoredMatrix,
     /// `[N_e, 1]`
-    pub(crate) bound_factors: Numbers,
+    pub(crate) bound_factors: StoredMatrix,
     /// `[N_e, 1]`
-    pub(crate) changes: Numbers,
+    pub(crate) changes: StoredMatrix,
     pub(crate) floor: f64,
 }
 
-impl ErrorParts {
+impl OwnedErrors {
     /// Errors that are not known yet.
     pub(crate) fn unknown(samples: usize, times: usize) -> Self {
-        ErrorParts {
-            left_out: Numbers::new(samples, times, |_, _| 0.0),
-            deviation: Numbers::new(samples, 1, |_, _| 1.0),
-            bound_factors: Numbers::new(times, 1, |_, _| 1.0),
-            changes: Numbers::new(times, 1, |_, _| 0.0),
+        OwnedErrors {
+            left_out: StoredMatrix::new(samples, times, |_, _| 0.0),
+            deviation: StoredMatrix::new(samples, 1, |_, _| 1.0),
+            bound_factors: StoredMatrix::new(times, 1, |_, _| 1.0),
+            changes: StoredMatrix::new(times, 1, |_, _| 0.0),
             floor: 0.0,
         }
     }
@@ -376,17 +349,17 @@ impl ErrorParts {
     /// The errors of all samples of a cluster, in their order.
     pub(crate) fn new<'a>(errors: impl IntoIterator<Item = &'a LeftOut>, times: usize, floor: f64) -> Self {
         let errors: Vec<&LeftOut> = errors.into_iter().collect();
-        ErrorParts {
-            left_out: Numbers::new(errors.len(), times, |j, i| errors[j].laboratory[i]),
-            deviation: Numbers::new(errors.len(), 1, |j, _| errors[j].deviation.max(1e-12)),
+        OwnedErrors {
+            left_out: StoredMatrix::new(errors.len(), times, |j, i| errors[j].laboratory[i]),
+            deviation: StoredMatrix::new(errors.len(), 1, |j, _| errors[j].deviation.max(1e-12)),
             floor,
-            ..ErrorParts::unknown(0, times)
+            ..OwnedErrors::unknown(0, times)
         }
     }
 
     /// Without the samples at these places.
     fn without(&self, out: &[usize]) -> Self {
-        ErrorParts {
+        OwnedErrors {
             left_out: self.left_out.without(out),
             deviation: self.deviation.without(out),
             bound_factors: self.bound_factors.clone(),
@@ -407,22 +380,22 @@ impl ErrorParts {
 }
 
 #[derive(Clone)]
-struct FieldParts {
-    modes: Numbers,
-    knots: Numbers,
-    spans: Vec<SpanParts>,
-    axial_controls: Numbers,
-    axial_modes: Numbers,
+struct OwnedField {
+    modes: StoredMatrix,
+    knots: StoredMatrix,
+    spans: Vec<OwnedSpan>,
+    axial_controls: StoredMatrix,
+    axial_modes: StoredMatrix,
 }
 
 #[derive(Clone)]
-struct SpanParts {
-    parameter_modes: Numbers,
+struct OwnedSpan {
+    parameter_modes: StoredMatrix,
     slices: Vec<u8>,
-    core: Numbers,
+    core: StoredMatrix,
 }
 
-impl SpanParts {
+impl OwnedSpan {
     fn new(snapshots: &Snapshots, pod: &DoublePod, span: &SpanPod, storage: Storage) -> Self {
         let columns = span.parameter_modes.ncols();
         let panels = |slice: &Mat<f64>| slice.nrows().div_ceil(LANES);
@@ -431,19 +404,19 @@ impl SpanParts {
         let entry = |(slice, k): (&Mat<f64>, usize), l: usize| {
             if k < slice.nrows() { slice[(k, l)] } else { 0.0 }
         };
-        SpanParts {
-            parameter_modes: Numbers::integers(
+        OwnedSpan {
+            parameter_modes: StoredMatrix::quantized(
                 storage,
                 Encoding::Columns,
-                snapshots.coarse_parameter_modes(pod, span),
+                snapshots.wide_parameter_modes(pod, span),
                 [span.parameter_modes.nrows(), columns],
                 |j, l| span.parameter_modes[(j, l)],
             ),
             slices: indices(&span.slices.iter().map(|slice| panels(slice) as u32).collect::<Vec<_>>()),
-            core: Numbers::integers(
+            core: StoredMatrix::quantized(
                 storage,
                 Encoding::RowPanels,
-                snapshots.coarse_columns(pod, span),
+                snapshots.wide_core_columns(pod, span),
                 [core.len(), columns],
                 |i, l| entry(core[i], l),
             ),
@@ -452,7 +425,7 @@ impl SpanParts {
 
     /// Without the samples at these places.
     fn without(&self, out: &[usize]) -> Self {
-        SpanParts {
+        OwnedSpan {
             parameter_modes: self.parameter_modes.without(out),
             ..self.clone()
         }
@@ -460,7 +433,7 @@ impl SpanParts {
 
     /// In another unit of length.
     fn scaled(&self, length: f64) -> Self {
-        SpanParts {
+        OwnedSpan {
             core: self.core.times(length),
             ..self.clone()
         }
@@ -480,8 +453,8 @@ impl SpanParts {
     }
 }
 
-impl FieldParts {
-    fn new(snapshots: &Snapshots, pod: &DoublePod, mesh: &MeshParts, storage: Storage) -> Self {
+impl OwnedField {
+    fn new(snapshots: &Snapshots, pod: &DoublePod, mesh: &OwnedMesh, storage: Storage) -> Self {
         let modes = snapshots.modes_at_nodes(pod);
         // Rows of whole panels, one component after the other.
         let stride = mesh.order.len().next_multiple_of(LANES);
@@ -490,21 +463,21 @@ impl FieldParts {
             s.map_or(0.0, |s| modes[(3 * s + row / stride, k)] / mesh.scales[*s])
         };
         let greatest = |k| (0..3 * stride).map(|row| at_node(row, k).abs()).fold(0.0, f64::max);
-        let coarse_modes = snapshots.coarse_modes(pod, greatest);
-        let dense = |matrix: &Mat<f64>| Numbers::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
-        FieldParts {
-            modes: Numbers::integers(
+        let wide_modes = snapshots.wide_modes(pod, greatest);
+        let dense = |matrix: &Mat<f64>| StoredMatrix::new(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)]);
+        OwnedField {
+            modes: StoredMatrix::quantized(
                 storage,
                 Encoding::ColumnPanels,
-                coarse_modes,
+                wide_modes,
                 [3 * stride, modes.ncols()],
                 at_node,
             ),
-            knots: Numbers::column(snapshots.knots()),
+            knots: StoredMatrix::column(snapshots.knots()),
             spans: pod
                 .spans
                 .iter()
-                .map(|span| SpanParts::new(snapshots, pod, span, storage))
+                .map(|span| OwnedSpan::new(snapshots, pod, span, storage))
                 .collect(),
             axial_controls: dense(&pod.axial_controls),
             axial_modes: dense(&pod.axial_modes),
@@ -513,7 +486,7 @@ impl FieldParts {
 
     /// Without the samples at these places.
     fn without(&self, out: &[usize]) -> Self {
-        FieldParts {
+        OwnedField {
             spans: self.spans.iter().map(|span| span.without(out)).collect(),
             axial_modes: self.axial_modes.without(out),
             ..self.clone()
@@ -522,7 +495,7 @@ impl FieldParts {
 
     /// In the units of the data.
     fn scaled(&self, scaling: &Scaling) -> Self {
-        FieldParts {
+        OwnedField {
             knots: self.knots.times(scaling.time),
             spans: self.spans.iter().map(|span| span.scaled(scaling.length)).collect(),
             axial_controls: self.axial_controls.times(scaling.length),
@@ -534,7 +507,7 @@ impl FieldParts {
         Field {
             modes: self.modes.matrix(),
             knots: self.knots.matrix(),
-            spans: self.spans.iter().map(SpanParts::wire).collect(),
+            spans: self.spans.iter().map(OwnedSpan::wire).collect(),
             axial_controls: self.axial_controls.matrix(),
             axial_modes: self.axial_modes.matrix(),
         }
@@ -543,54 +516,54 @@ impl FieldParts {
     /// Bytes of its arrays.
     fn length(&self) -> usize {
         let arrays = [&self.modes, &self.knots, &self.axial_controls, &self.axial_modes];
-        let spans = self.spans.iter().map(SpanParts::length);
+        let spans = self.spans.iter().map(OwnedSpan::length);
         spans.chain(arrays.map(|array| array.bytes.len())).sum()
     }
 }
 
 /// One cluster as the file holds it.
 #[derive(Clone)]
-pub(crate) struct ClusterParts {
+pub(crate) struct OwnedCluster {
     range: [f64; 2],
-    samples: Numbers,
-    field: FieldParts,
+    samples: StoredMatrix,
+    field: OwnedField,
     /// Of the direct method and of the paper's.
-    pub(crate) errors: [ErrorParts; 2],
+    pub(crate) errors: [OwnedErrors; 2],
     /// Errors between the instants, `[N_c, N_t - 1]`, or none.
-    pub(crate) interval_errors: Numbers,
+    pub(crate) interval_errors: StoredMatrix,
     /// The 95 % bound as a multiple of them, `[N_t - 1, 1]`, or none.
-    pub(crate) interval_bound_factors: Numbers,
+    pub(crate) interval_bound_factors: StoredMatrix,
 }
 
-impl ClusterParts {
+impl OwnedCluster {
     /// The cluster of the samples at `parameters`, from their double POD; errors unknown.
     pub(crate) fn new(
         range: [f64; 2],
         parameters: &[&[f64]],
         snapshots: &Snapshots,
         pod: &DoublePod,
-        mesh: &MeshParts,
+        mesh: &OwnedMesh,
         error_times: usize,
         storage: Storage,
     ) -> Self {
-        let unknown = || ErrorParts::unknown(parameters.len(), error_times);
-        ClusterParts {
+        let unknown = || OwnedErrors::unknown(parameters.len(), error_times);
+        OwnedCluster {
             range,
-            samples: Numbers::new(
+            samples: StoredMatrix::new(
                 parameters.len(),
                 parameters.first().map_or(0, |row| row.len()),
                 |j, d| parameters[j][d],
             ),
-            field: FieldParts::new(snapshots, pod, mesh, storage),
+            field: OwnedField::new(snapshots, pod, mesh, storage),
             errors: [unknown(), unknown()],
-            interval_errors: Numbers::new(0, 0, |_, _| 0.0),
-            interval_bound_factors: Numbers::new(0, 0, |_, _| 0.0),
+            interval_errors: StoredMatrix::new(0, 0, |_, _| 0.0),
+            interval_bound_factors: StoredMatrix::new(0, 0, |_, _| 0.0),
         }
     }
 
     /// Without the samples at these places: the modes and coefficients stay.
     pub(crate) fn without(&self, out: &[usize]) -> Self {
-        ClusterParts {
+        OwnedCluster {
             samples: self.samples.without(out),
             field: self.field.without(out),
             errors: self.errors.each_ref().map(|errors| errors.without(out)),
@@ -602,14 +575,14 @@ impl ClusterParts {
 
     /// In the units of the data.
     fn scaled(&self, scaling: &Scaling) -> Self {
-        ClusterParts {
+        OwnedCluster {
             field: self.field.scaled(scaling),
             ..self.clone()
         }
     }
 
     /// The samples' places in the coordinates.
-    pub(crate) fn places(&self, coordinates: &Coordinates<'_>) -> Numbers {
+    pub(crate) fn places(&self, coordinates: &Coordinates<'_>) -> StoredMatrix {
         let matrix = self.samples.matrix();
         let samples = MatrixView::new(&matrix);
         let place = |j: usize| {
@@ -618,10 +591,10 @@ impl ClusterParts {
             parameters.map_or([0.0; wire::MAX_PARAMETERS], |parameters| coordinates.place(&parameters))
         };
         let places: Vec<_> = (0..samples.rows()).map(place).collect();
-        Numbers::new(samples.rows(), samples.columns(), |j, d| places[j][d])
+        StoredMatrix::new(samples.rows(), samples.columns(), |j, d| places[j][d])
     }
 
-    fn wire<'a>(&'a self, places: &'a Numbers) -> Cluster<'a> {
+    fn wire<'a>(&'a self, places: &'a StoredMatrix) -> Cluster<'a> {
         Cluster {
             min: self.range[0],
             max: self.range[1],
@@ -696,8 +669,8 @@ pub(crate) struct Domain {
 pub(crate) fn write(
     [given, settings]: [&Settings; 2],
     domain: &Domain,
-    mesh: &MeshParts,
-    clusters: &[&ClusterParts],
+    mesh: &OwnedMesh,
+    clusters: &[&OwnedCluster],
     scaling: &Scaling,
 ) -> Result<Vec<u8>, OfflineError> {
     // The creation time is not a setting of the mathematics, and has its own place.
@@ -706,10 +679,11 @@ pub(crate) fn write(
         ..given.clone()
     })
     .unwrap_or_default();
-    let [times, error_times] = [&domain.times, &domain.error_times].map(|t| Numbers::column(t).times(scaling.time));
-    let limit = Numbers::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
-    let border = Numbers::new(domain.border.len(), 2, |i, d| domain.border[i][d]);
-    let effect = Numbers::new(domain.bending_effect.len(), 3, |i, d| domain.bending_effect[i][d]);
+    let [times, error_times] =
+        [&domain.times, &domain.error_times].map(|t| StoredMatrix::column(t).times(scaling.time));
+    let limit = StoredMatrix::new(domain.steady_limit.len(), 2, |i, d| domain.steady_limit[i][d]);
+    let border = StoredMatrix::new(domain.border.len(), 2, |i, d| domain.border[i][d]);
+    let effect = StoredMatrix::new(domain.bending_effect.len(), 3, |i, d| domain.bending_effect[i][d]);
     let parameters = domain.names.iter().zip(&scaling.parameters);
     let parameters = parameters.map(|(name, parameter)| Parameter {
         name,
@@ -718,15 +692,15 @@ pub(crate) fn write(
         origin: parameter.origin,
         scale: parameter.scale,
     });
-    let [limit_matrix, border_matrix] = [&limit, &border].map(Numbers::matrix);
+    let [limit_matrix, border_matrix] = [&limit, &border].map(StoredMatrix::matrix);
     let mesh = mesh.scaled(scaling);
-    let clusters: Vec<ClusterParts> = clusters.iter().map(|cluster| cluster.scaled(scaling)).collect();
+    let clusters: Vec<OwnedCluster> = clusters.iter().map(|cluster| cluster.scaled(scaling)).collect();
     let coordinates = Coordinates {
         scales: settings.kernel.scales,
         limit: (limit.rows > 0).then_some(Curve::new(&limit_matrix)),
         border: Curve::new(&border_matrix),
     };
-    let places: Vec<Numbers> = clusters.iter().map(|cluster| cluster.places(&coordinates)).collect();
+    let places: Vec<StoredMatrix> = clusters.iter().map(|cluster| cluster.places(&coordinates)).collect();
     let contents = Contents {
         metadata: Metadata {
             title: &settings.title,

@@ -242,8 +242,8 @@ fn far_from_the_samples_is_said() {
     );
     let error = predicted(&model, &[0.3, 2.0], 1.0).unwrap_err();
     assert!(
-        error
-            .named(&model)
+        model
+            .describe(error)
             .to_string()
             .starts_with("parameter_2 = 2 lies outside"),
         "{error}"
