@@ -71,7 +71,7 @@ impl Evaluation {
                 )));
             }
         };
-        let expected = self.shared.core().contents().metadata.parameters.len();
+        let expected = self.shared.core().parameters().len();
         let found = parameters.len();
         let parameters =
             Parameters::from_doubles(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;

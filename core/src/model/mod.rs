@@ -20,6 +20,7 @@ pub mod panels;
 mod products;
 mod quantized;
 mod read;
+mod samples;
 mod validate;
 #[cfg(not(feature = "write"))]
 pub(crate) mod wire;
@@ -37,7 +38,8 @@ pub use matrix::MatrixView;
 pub use mesh::Mesh;
 pub(crate) use mesh::{apply, components};
 pub(crate) use quantized::{QuantizedRef, QuantizedVectors};
-pub use wire::{DIAGONAL, MIDPLANE};
+pub use samples::ClusterSamples;
+pub use wire::{DIAGONAL, MIDPLANE, Parameter, Reference, Units};
 
 use crate::error::EvaluateError;
 use crate::{Domain, Parameters, Real};
@@ -45,7 +47,7 @@ use core::fmt;
 use core::mem::MaybeUninit;
 use header::payload;
 use read::{Decode, Reader};
-use wire::{Cluster, Contents, Reference};
+use wire::{Cluster, Contents, Method};
 
 /// Rounding that a parameter may carry and still count as within a range: singles of the file against doubles of the
 /// caller.
@@ -109,6 +111,81 @@ impl<'a> Model<'a> {
     /// CRC-32 of the payload: identifies the model.
     pub fn digest(&self) -> u32 {
         self.digest
+    }
+
+    /// Title for people.
+    pub fn title(&self) -> &'a str {
+        self.contents.metadata.title
+    }
+
+    /// Units of lengths, velocities and times.
+    pub fn units(&self) -> Units<'a> {
+        self.contents.metadata.units
+    }
+
+    /// The parameters with their names and sampled ranges, in the order of a query.
+    pub fn parameters(&self) -> &[Parameter<'a>] {
+        &self.contents.metadata.parameters
+    }
+
+    /// Constitutive law of the membrane.
+    pub fn membrane_law(&self) -> &'a str {
+        self.contents.metadata.membrane_law
+    }
+
+    /// Bending stiffness B of the full-order model, in G_s a^2, if it is known.
+    pub fn bending_stiffness(&self) -> Option<f64> {
+        self.contents.metadata.bending_stiffness
+    }
+
+    /// Digest of the snapshot database (hexadecimal text).
+    pub fn database_digest(&self) -> &'a str {
+        self.contents.metadata.database_digest
+    }
+
+    /// Settings of the offline stage, as JSON text.
+    pub fn offline_settings(&self) -> &'a str {
+        self.contents.metadata.offline_settings
+    }
+
+    /// Creation time, seconds since 1970-01-01 UTC.
+    pub fn created_unix_s(&self) -> u32 {
+        self.contents.metadata.created_unix_s
+    }
+
+    /// Method for a caller that has no preference.
+    pub fn default_method(&self) -> Method {
+        self.contents.default_method
+    }
+
+    /// The reference state of the mesh: [`Reference::Sphere`] for a capsule in the channel.
+    pub fn reference(&self) -> Reference {
+        self.contents.mesh.reference
+    }
+
+    /// The clusters, by rising values of the parameter that divides them.
+    pub fn clusters(&self) -> impl ExactSizeIterator<Item = ClusterSamples<'a>> {
+        self.contents.clusters.iter().map(ClusterSamples::new)
+    }
+
+    /// Points of the steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising.
+    pub fn steady_limit_points(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.steady_limit)
+    }
+
+    /// The curve Ca(a/l) at which the solution jumps, and which interpolation does not cross.
+    pub fn jump_curve(&self) -> Curve<'a> {
+        Curve::new(&self.contents.border)
+    }
+
+    /// Effect of the bending stiffness at some configurations `[n, 3]`: rows (Ca, a/l, distance as a fraction of a).
+    pub fn bending_effect(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.bending_effect)
+    }
+
+    /// Instants `[N_e, 1]` of the leave-one-out errors.
+    pub fn error_times(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.error_times)
     }
 
     /// The solution that the errors of the model are measured against, in words: of the full-order model with its law
@@ -201,7 +278,7 @@ impl<'a> Model<'a> {
 
     /// The first parameter that lies outside its sampled range.
     pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
-        let within = |(value, range): (&T, &wire::Parameter<'_>)| {
+        let within = |(value, range): (&T, &Parameter<'_>)| {
             let (min, max) = (T::from_f64(range.min), T::from_f64(range.max));
             let rounding = T::from_f32(2.0 * f32::EPSILON) * min.abs().max(max.abs());
             let slack = T::from_f64(PARAMETER_TOLERANCE) * (max - min) + rounding;

@@ -1,7 +1,6 @@
 //! From a database to a model file.
 
 use capsule_core::Model;
-use capsule_database::{Collection, Database};
 use serde::Serialize;
 
 use crate::assembled::Assembled;
@@ -16,7 +15,7 @@ use crate::plan::Plan;
 use crate::pod::{DoublePod, Snapshots};
 use crate::spectra::laboratory;
 use crate::writer::{OwnedErrors, StoredMatrix};
-use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum};
+use crate::{LeftOut, OfflineError, Progress, Settings, Source, Spectrum};
 
 /// What a build found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -87,43 +86,6 @@ pub struct FieldReport {
     pub space_error: f64,
     /// That which the parameter modes leave.
     pub parameter_error: f64,
-}
-
-/// Where a model's samples come from.
-#[derive(Debug, Clone, Copy)]
-pub enum Source<'a> {
-    /// Capsules in the channel, over (Ca, a/l).
-    Database(&'a Database),
-    /// Other people's data.
-    Collection(&'a Collection),
-}
-
-impl Source<'_> {
-    /// The parameters' names.
-    #[must_use]
-    pub fn parameter_names(&self) -> Vec<String> {
-        match self {
-            Source::Database(database) => database
-                .description()
-                .parameters
-                .iter()
-                .map(|p| p.name.clone())
-                .collect(),
-            Source::Collection(collection) => collection.parameter_names.clone(),
-        }
-    }
-}
-
-impl<'a> From<&'a Database> for Source<'a> {
-    fn from(database: &'a Database) -> Self {
-        Source::Database(database)
-    }
-}
-
-impl<'a> From<&'a Collection> for Source<'a> {
-    fn from(collection: &'a Collection) -> Self {
-        Source::Collection(collection)
-    }
 }
 
 /// Builds a model from the configurations of a database or a collection: the bytes of the file, and a report.

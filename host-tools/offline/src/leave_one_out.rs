@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use capsule_core::Method;
 use capsule_core::Model;
-use capsule_core::model::wire::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 

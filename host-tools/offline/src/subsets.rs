@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use capsule_core::Method;
 use capsule_core::Model;
-use capsule_core::model::wire::Method;
 use capsule_database::Database;
 
 use crate::leave_one_out::{LeftOut, left_out};

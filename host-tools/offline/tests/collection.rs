@@ -349,7 +349,7 @@ fn the_symmetry_of_mesh_and_data_is_found() {
     let order = |collection: &Collection| {
         let (bytes, report) = build(collection, &settings(collection), &quiet).unwrap();
         let model = Model::open(&bytes).unwrap();
-        let units = model.contents().metadata.units;
+        let units = model.units();
         assert_eq!((units.length, units.velocity), ("um", "um/time unit"));
         (report.symmetry, model.contents().mesh.node_sets.len())
     };
