@@ -469,7 +469,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         let field = Snapshot {
             mesh: self.model.mesh(),
             modes: MatrixView::new(&self.cluster.field.modes),
-            coefficients: velocity.shape.factors(),
+            coefficients: velocity.shape.quantized(),
             scale: T::ZERO,
             translation,
         };
@@ -651,7 +651,7 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         let count = leading(slice_or_empty(out, 0..modes.columns()), negligible);
         computed.t = Some(t);
         computed.judge(modes.columns());
-        computed.shape.ready(&modes, count);
+        computed.shape.quantize(&modes, count);
     }
 
     /// The surface at this instant.
@@ -699,7 +699,7 @@ fn shape<'a, 's, T: Real, const K: usize>(
     Snapshot {
         mesh: model.mesh(),
         modes: MatrixView::new(&cluster.field.modes),
-        coefficients: displacement.shape.factors(),
+        coefficients: displacement.shape.quantized(),
         scale: model.scale(&query.parameters),
         translation,
     }

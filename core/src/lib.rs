@@ -39,9 +39,11 @@ mod scene;
 mod surface;
 mod workspace;
 
-pub use error::{EncodeError, EvaluateError, OpenError};
+pub use error::EvaluateError;
 pub use evaluator::{Evaluator, Instant};
-pub use model::{DIAGONAL, MIDPLANE, Model};
+#[cfg(feature = "write")]
+pub use model::EncodeError;
+pub use model::{DIAGONAL, MIDPLANE, Model, OpenError};
 pub use query::{Domain, MAX_PARAMETERS, Method, Parameters, Query, Scheme};
 pub use real::Real;
 pub use scene::{Frame, Nodes, Scene};

@@ -7,8 +7,8 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A floating-point scalar: `f32` or `f64`.
 ///
-/// Products with stored integers are sums of whole numbers, which are exact, so that no order of them gives other bits,
-/// and take a microcontroller a quarter as long.
+/// Products with stored integers are sums of integers: they are exact, so that their order does not change a bit, and
+/// take a microcontroller a quarter of the time of a floating-point sum.
 pub trait Real:
     Copy
     + Debug
@@ -33,33 +33,37 @@ pub trait Real:
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
 
-    /// A whole number: a sum of products.
-    type Whole: Copy + Debug;
+    /// Integer that sums of products are accumulated in.
+    type Accumulator: Copy + Debug;
     /// 0.
-    const NO_WHOLE: Self::Whole;
-    /// Two whole numbers that are factors.
-    type Pair: Copy + Debug;
-    /// Two zeros.
-    const NO_PAIR: Self::Pair;
-    /// The greatest factor: 500 products of it and of entries are a whole.
+    const ZERO_SUM: Self::Accumulator;
+    /// Two integer factors.
+    type PackedFactors: Copy + Debug;
+    /// Two factors that are 0.
+    const ZERO_FACTORS: Self::PackedFactors;
+    /// The greatest factor: 500 products of it and of entries fit into the accumulator.
     const MAX_FACTOR: Self;
 
     /// The nearest factors to two numbers, neither beyond the greatest.
-    fn pair(first: Self, second: Self) -> Self::Pair;
-    /// The nearest number to a whole.
-    fn from_whole(whole: Self::Whole) -> Self;
-    /// The sums of two rows and their products with a pair of factors: `entries` are those of the first column, then
-    /// those of the second.
-    fn add_products(sums: [Self::Whole; 2], entries: [u8; 4], pair: Self::Pair) -> [Self::Whole; 2];
-    /// products <- panels times some vectors, each in its unit.
+    fn pack(first: Self, second: Self) -> Self::PackedFactors;
+    /// The nearest number to a sum.
+    fn from_sum(sum: Self::Accumulator) -> Self;
+    /// The sums of two rows plus their products with two factors: `entries` are those of the first column, then those
+    /// of the second.
+    fn add_products(
+        sums: [Self::Accumulator; 2],
+        entries: [u8; 4],
+        factors: Self::PackedFactors,
+    ) -> [Self::Accumulator; 2];
+    /// products <- panels times some quantised vectors, each with its scale.
     #[inline(always)]
     fn multiply<const B: usize, const P: usize>(
         panels: [&[Block]; P],
-        pairs: &[[Self::Pair; B]],
-        units: [Self; B],
+        factors: &[[Self::PackedFactors; B]],
+        scales: [Self; B],
         products: &mut [[[Self; LANES]; B]; P],
     ) {
-        linalg::multiply(panels, pairs, units, products);
+        linalg::multiply(panels, factors, scales, products);
     }
 
     /// The nearest number to a stored single.
@@ -98,19 +102,19 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($scalar:ident, $whole:ident, $sqrt:path, $exp:path, { $($products:tt)* }) => {
+    ($scalar:ident, $accumulator:ident, $sqrt:path, $exp:path, { $($products:tt)* }) => {
         impl Real for $scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $scalar::EPSILON;
 
-            type Whole = $whole;
-            const NO_WHOLE: $whole = 0;
+            type Accumulator = $accumulator;
+            const ZERO_SUM: $accumulator = 0;
             $($products)*
 
             #[inline(always)]
-            fn from_whole(whole: $whole) -> Self {
-                whole as $scalar
+            fn from_sum(sum: $accumulator) -> Self {
+                sum as $scalar
             }
 
             fn from_f32(value: f32) -> Self {
@@ -148,36 +152,36 @@ macro_rules! real {
 }
 
 real!(f32, i32, capsule_dsp::sqrt, libm::expf, {
-    type Pair = u32;
-    const NO_PAIR: u32 = 0;
+    type PackedFactors = u32;
+    const ZERO_FACTORS: u32 = 0;
     const MAX_FACTOR: f32 = 32767.0;
 
     #[inline(always)]
-    fn pair(first: f32, second: f32) -> u32 {
+    fn pack(first: f32, second: f32) -> u32 {
         // At this size the last digit counts ones.
         let half = |number: f32| (number + 12_582_912.0).to_bits();
         half(first) & 0xffff | half(second) << 16
     }
     #[inline(always)]
-    fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
-        capsule_dsp::add_products(sums, entries, pair)
+    fn add_products(sums: [i32; 2], entries: [u8; 4], factors: u32) -> [i32; 2] {
+        capsule_dsp::add_products(sums, entries, factors)
     }
     #[inline(always)]
     fn multiply<const B: usize, const P: usize>(
         panels: [&[Block]; P],
-        pairs: &[[u32; B]],
-        units: [f32; B],
+        factors: &[[u32; B]],
+        scales: [f32; B],
         products: &mut [[[f32; LANES]; B]; P],
     ) {
-        multiply_singles(panels, pairs, units, products);
+        multiply_singles(panels, factors, scales, products);
     }
 });
 real!(f64, i64, libm::sqrt, libm::exp, {
-    type Pair = [i64; 2];
-    const NO_PAIR: [i64; 2] = [0; 2];
+    type PackedFactors = [i64; 2];
+    const ZERO_FACTORS: [i64; 2] = [0; 2];
     const MAX_FACTOR: f64 = (1_u64 << 46) as f64;
 
-    fn pair(first: f64, second: f64) -> [i64; 2] {
+    fn pack(first: f64, second: f64) -> [i64; 2] {
         // As for singles.
         const ONES: f64 = 6_755_399_441_055_744.0;
         [first, second].map(|number| (number + ONES - ONES) as i64)

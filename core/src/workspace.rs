@@ -3,7 +3,7 @@
 use crate::error::EvaluateError;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, MAX_COLUMNS};
-use crate::model::Vectors;
+use crate::model::QuantizedVectors;
 use crate::motion::{Contracted, Controls};
 use crate::paper::dynamics::Dynamics;
 use crate::{Domain, Query, Real};
@@ -89,7 +89,7 @@ pub(crate) struct Coefficients<T: Real, const K: usize> {
     pub(crate) translation: T,
     /// Whether nodes computed from them are sure to be finite.
     bounded: bool,
-    pub(crate) shape: Vectors<T, K>,
+    pub(crate) shape: QuantizedVectors<T, K>,
 }
 
 impl<T: Real, const K: usize> Coefficients<T, K> {
@@ -97,7 +97,7 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
         t: None,
         translation: T::ZERO,
         bounded: false,
-        shape: Vectors::ZERO,
+        shape: QuantizedVectors::ZERO,
     };
 
     /// Judges the first of its values before any node is written to a caller's buffer: no entry of a mode is beyond

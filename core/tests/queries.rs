@@ -59,7 +59,7 @@ fn parameters_are_judged() {
                     ("confinement", prepare(0.05, bad, extrapolate).unwrap_err()),
                 ] {
                     assert!(matches!(error, EvaluateError::Parameter { .. }), "{error}");
-                    assert!(error.named(&model).to_string().starts_with(name), "{error}");
+                    assert!(model.describe(error).to_string().starts_with(name), "{error}");
                 }
             }
         }

@@ -6,15 +6,15 @@ mod products;
 mod qr;
 mod vectors;
 
-pub(crate) use products::{Block, IN_PAIRS, multiply, multiply_singles};
+pub(crate) use products::{Block, TWO_PANELS, multiply, multiply_singles};
 pub(crate) use qr::{MAX_COLUMNS, Qr, symmetric_times};
 pub(crate) use vectors::in_vectors;
 
 use crate::Real;
 use core::ops::Range;
 
-/// Numbers that are added side by side.
-pub(crate) const LANES: usize = 8;
+/// Numbers that are added side by side: rows of a panel.
+pub const LANES: usize = 8;
 
 /// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
 /// the range is always there, but the compiler cannot know; this way no panic is linked.

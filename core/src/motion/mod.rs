@@ -9,7 +9,7 @@ use crate::Real;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, dot, slice_or_empty, slice_or_empty_mut};
 use crate::model::wire::{Field, Span};
-use crate::model::{Factors, Indices, MatrixView, Vectors};
+use crate::model::{Indices, MatrixView, QuantizedRef, QuantizedVectors};
 use crate::motion::spline::{ORDER, Splines};
 use crate::workspace::Parts;
 use core::mem::offset_of;
@@ -23,8 +23,8 @@ pub(crate) struct Contracted<T: Real, const K: usize> {
     /// The span that psi belongs to: the one that was asked for last.
     span: Option<usize>,
     /// psi = Psi^T L.
-    psi: Vectors<T, K>,
-    axial: Vectors<T, AXIAL_MODES>,
+    psi: QuantizedVectors<T, K>,
+    axial: QuantizedVectors<T, AXIAL_MODES>,
 }
 
 /// The controls that were computed last: number b lies at b mod 4.
@@ -59,8 +59,8 @@ pub(crate) struct Motion<'a, 's, T: Real, const K: usize> {
 impl<T: Real, const K: usize> Contracted<T, K> {
     pub(crate) const EMPTY: Self = Self {
         span: None,
-        psi: Vectors::ZERO,
-        axial: Vectors::ZERO,
+        psi: QuantizedVectors::ZERO,
+        axial: QuantizedVectors::ZERO,
     };
 
     /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
@@ -77,7 +77,7 @@ impl<T: Real, const K: usize> Contracted<T, K> {
         let (samples, weights) = weights.parts();
         modes.combine(samples, weights, values);
         let controls = MatrixView::new(&field.axial_controls);
-        self.axial.ready(&controls, controls.columns());
+        self.axial.quantize(&controls, controls.columns());
     }
 }
 
@@ -179,7 +179,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     fn axial_control(&self, b: usize) -> T {
-        self.axial_controls.dot(b, self.contracted.axial.factors())
+        self.axial_controls.dot(b, self.contracted.axial.quantized())
     }
 
     /// out <- slice b times psi of its span, as far as there are rows.
@@ -196,20 +196,20 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             if *known != Some(number) {
                 let values = slice_or_empty_mut(psi.values.as_flattened_mut(), 0..modes.columns());
                 modes.combine(self.samples, self.weights, values);
-                psi.ready(&core, modes.columns());
+                psi.quantize(&core, modes.columns());
                 *known = Some(number);
             }
             let mut counts = slices.iter();
             let first = counts.by_ref().take(b).sum();
             let rows = LANES * counts.next().unwrap_or_default();
             let rows = rows.min(out.len());
-            return multiply(&core, first, psi.factors(), slice_or_empty_mut(out, 0..rows));
+            return multiply(&core, first, psi.quantized(), slice_or_empty_mut(out, 0..rows));
         }
     }
 }
 
 /// out <- rows, from a panel on, times a vector.
-fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out: &mut [T]) {
+fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: QuantizedRef<'_, T>, out: &mut [T]) {
     let (panels, rest) = out.as_chunks_mut::<LANES>();
     rows.successive(first, x, panels.as_chunks_mut().0);
     if !rest.is_empty() {

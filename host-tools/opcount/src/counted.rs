@@ -106,17 +106,17 @@ impl Real for Counted {
     const ONE: Self = Self(1.0);
     const EPSILON: Self = Self(f32::EPSILON);
 
-    type Whole = i32;
-    const NO_WHOLE: i32 = 0;
+    type Accumulator = i32;
+    const ZERO_SUM: i32 = 0;
     const MAX_FACTOR: Self = Self(f32::MAX_FACTOR);
-    type Pair = u32;
-    const NO_PAIR: u32 = f32::NO_PAIR;
+    type PackedFactors = u32;
+    const ZERO_FACTORS: u32 = f32::ZERO_FACTORS;
 
-    fn from_whole(whole: i32) -> Self {
-        Self(f32::from_whole(whole))
+    fn from_sum(sum: i32) -> Self {
+        Self(f32::from_sum(sum))
     }
-    fn pair(first: Self, second: Self) -> u32 {
-        f32::pair(first.0, second.0)
+    fn pack(first: Self, second: Self) -> u32 {
+        f32::pack(first.0, second.0)
     }
     fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
         note(|counts| {
