@@ -615,7 +615,9 @@ impl ClusterParts {
         let place = |j: usize| {
             let parameters: Vec<f64> = (0..samples.columns()).map(|d| samples.get(j, d).into()).collect();
             let parameters = Parameters::new(&parameters);
-            parameters.map_or([0.0; wire::MAX_PARAMETERS], |parameters| coordinates.place(&parameters))
+            parameters.map_or([0.0; wire::MAX_PARAMETERS], |parameters| {
+                coordinates.transform(&parameters)
+            })
         };
         let places: Vec<_> = (0..samples.rows()).map(place).collect();
         Numbers::new(samples.rows(), samples.columns(), |j, d| places[j][d])
@@ -724,7 +726,7 @@ pub(crate) fn write(
     let coordinates = Coordinates {
         scales: settings.kernel.scales,
         limit: (limit.rows > 0).then_some(Curve::new(&limit_matrix)),
-        border: Curve::new(&border_matrix),
+        jump_curve: Curve::new(&border_matrix),
     };
     let places: Vec<Numbers> = clusters.iter().map(|cluster| cluster.places(&coordinates)).collect();
     let contents = Contents {
