@@ -1,11 +1,11 @@
 //! Weights of a grid of samples, against polynomials and the systems solved directly.
 
-use super::weights::{REACH, covariance};
+use super::weights::covariance;
 use super::*;
 use crate::Parameters;
 use crate::error::EvaluateError;
 use crate::model::Curve;
-use crate::model::wire::{Blob, Kernel, Paper, Samples};
+use crate::model::wire::{Blob, Kernel, Matrix, Paper, Samples};
 
 const N: usize = 32;
 const KERNEL: Kernel = Kernel {
