@@ -17,6 +17,7 @@ mod mesh;
 mod panels;
 #[cfg(feature = "write")]
 pub mod panels;
+mod parameters;
 mod products;
 mod quantized;
 mod read;
@@ -37,12 +38,13 @@ pub use indices::Indices;
 pub use matrix::MatrixView;
 pub use mesh::Mesh;
 pub(crate) use mesh::{apply, components};
+pub use parameters::Parameters;
 pub(crate) use quantized::{QuantizedRef, QuantizedVectors};
 pub use samples::ClusterSamples;
 pub use wire::{DIAGONAL, MIDPLANE, Parameter, Reference, Units};
 
+use crate::Real;
 use crate::error::EvaluateError;
-use crate::{Domain, Parameters, Real};
 use core::fmt;
 use core::mem::MaybeUninit;
 use header::payload;
@@ -51,7 +53,7 @@ use wire::{Cluster, Contents, Method};
 
 /// Rounding that a parameter may carry and still count as within a range: singles of the file against doubles of the
 /// caller.
-const PARAMETER_TOLERANCE: f64 = 1e-6;
+pub(crate) const PARAMETER_TOLERANCE: f64 = 1e-6;
 
 /// A validated model, reading the file's bytes where they lie.
 #[derive(Clone, Debug)]
@@ -253,39 +255,6 @@ impl<'a> Model<'a> {
     /// none where the model has no steady limit.
     pub fn steady_limit<T: Real>(&self, confinement: T) -> Option<T> {
         Curve::new(&self.contents.steady_limit).at(confinement)
-    }
-
-    /// Where parameters lie with respect to the sampled ranges and the steady limit; numbers that are not finite lie
-    /// outside. Whether they are [`FarFromSamples`](Domain::FarFromSamples) only a prepared query tells.
-    ///
-    /// # Errors
-    /// [`EvaluateError::ParameterCount`].
-    pub fn domain<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> Result<Domain, EvaluateError> {
-        let parameters = parameters.into();
-        let (expected, found) = (self.contents.metadata.parameters.len(), parameters.as_slice().len());
-        if found != expected {
-            return Err(EvaluateError::ParameterCount { expected, found });
-        }
-        let beyond = |limit: T| parameters.get(0) > limit * T::from_f64(1.0 + PARAMETER_TOLERANCE);
-        Ok(if self.outside(&parameters).is_some() {
-            Domain::Outside
-        } else if self.steady_limit(parameters.get(1)).is_some_and(beyond) {
-            Domain::BeyondSteadyLimit
-        } else {
-            Domain::Inside
-        })
-    }
-
-    /// The first parameter that lies outside its sampled range.
-    pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
-        let within = |(value, range): (&T, &Parameter<'_>)| {
-            let (min, max) = (T::from_f64(range.min), T::from_f64(range.max));
-            let rounding = T::from_f32(2.0 * f32::EPSILON) * min.abs().max(max.abs());
-            let slack = T::from_f64(PARAMETER_TOLERANCE) * (max - min) + rounding;
-            *value >= min - slack && *value <= max + slack
-        };
-        let mut ranges = parameters.as_slice().iter().zip(&self.contents.metadata.parameters);
-        ranges.position(|place| !within(place))
     }
 
     /// The factor of the reference nodes: a/l where they lie on the unit sphere, else 1.

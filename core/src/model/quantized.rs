@@ -1,4 +1,4 @@
-//! Vectors quantised for products with a matrix of integers.
+//! QuantizedVectors quantised for products with a matrix of integers.
 
 use super::matrix::{Entries, MatrixView, Scales};
 use super::panels::HIGH;

@@ -81,7 +81,7 @@ pub fn surface<T: Real>(
     let mut columns = vec![Column::vectors("velocity", nodes)];
     if let Some(mechanics) = mechanics {
         let sector = mechanics.deformations(evaluator, t)?;
-        let carried = |(index, operation): (usize, u8)| sector[index].carried(operation);
+        let carried = |(index, operation): (usize, u8)| sector[index].transformed(operation);
         let full: Vec<_> = (0..mesh.nodes())
             .filter_map(|node| mesh.origin(node))
             .map(carried)

@@ -27,7 +27,7 @@ impl PlacedSamples {
             let Some(parameters) = Parameters::new(&doubles) else {
                 continue;
             };
-            let place = coordinates.place(&parameters).map(|value| value as f32);
+            let place = coordinates.transform(&parameters).map(|value| value as f32);
             placed
                 .parameters
                 .extend(sample.iter().flat_map(|value| value.to_le_bytes()));

@@ -202,7 +202,7 @@ impl Batch {
                 let [first, second, load] = [0, 1, 2].map(|part| 3 * nodes * part);
                 for node in 0..nodes {
                     let (index, operation) = mesh.origin(node).ok_or(EvaluateError::UnknownNode { node, nodes })?;
-                    let at = at_sector[index].carried(operation);
+                    let at = at_sector[index].transformed(operation);
                     for (row, value) in rows.chunks_exact_mut(nodes).zip(scalars(&at)) {
                         row[node] = value;
                     }

@@ -80,7 +80,7 @@ impl OwnedCluster {
         let place = |j: usize| {
             let parameters: Vec<f64> = (0..samples.columns()).map(|d| samples.get(j, d).into()).collect();
             let parameters = Parameters::new(&parameters);
-            parameters.map_or([0.0; MAX_PARAMETERS], |parameters| coordinates.place(&parameters))
+            parameters.map_or([0.0; MAX_PARAMETERS], |parameters| coordinates.transform(&parameters))
         };
         let places: Vec<_> = (0..samples.rows()).map(place).collect();
         StoredMatrix::new(samples.rows(), samples.columns(), |j, d| places[j][d])

@@ -114,7 +114,7 @@ pub(crate) fn write(
     let coordinates = Coordinates {
         scales: settings.kernel.scales,
         limit: (limit.rows > 0).then_some(Curve::new(&limit_matrix)),
-        border: Curve::new(&border_matrix),
+        jump_curve: Curve::new(&border_matrix),
     };
     let places: Vec<StoredMatrix> = clusters.iter().map(|cluster| cluster.places(&coordinates)).collect();
     let contents = Contents {

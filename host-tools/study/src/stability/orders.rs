@@ -136,7 +136,7 @@ pub(super) fn rows(subject: &Subject, model: &Model) -> Result<Vec<Row>, StudyEr
         for truth in &truths {
             let query = truth.parameters;
             let beyond = |sample: [f64; 2]| {
-                coordinates.apart(sample, query) || (sample[1] - split) * (query[1] - split) < -1e-12
+                coordinates.separated(sample, query) || (sample[1] - split) * (query[1] - split) < -1e-12
             };
             let solved = diffuse.solve(&places, query, beyond);
             errors.count(solved.map(|solved| {

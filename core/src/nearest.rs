@@ -1,10 +1,9 @@
-//! The samples nearest to a query, or the nodes nearest to a node.
+//! The nearest of many points: of samples to a query, of nodes to a node.
 
 use crate::Real;
 use crate::linalg::slice_or_empty_mut;
 
-/// The nearest of the things that it was given, at most `N`. Their offsets stay where they were put, only the order is
-/// kept up.
+/// The nearest of the points offered, at most `N`, sorted by insertion. Offsets stay in their slots; the order moves.
 #[derive(Debug)]
 pub(crate) struct Nearest<T, const P: usize, const N: usize> {
     wanted: usize,
@@ -14,19 +13,19 @@ pub(crate) struct Nearest<T, const P: usize, const N: usize> {
     offsets: [[T; P]; N],
 }
 
-/// One of the nearest.
+/// One of the nearest points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neighbour<T> {
-    /// Square of the offset's length.
+    /// Squared distance.
     pub(crate) square: T,
-    /// As it was given.
+    /// Index of the point.
     pub(crate) number: u16,
-    /// Where its offset is.
+    /// Slot of its offset.
     slot: u16,
 }
 
 impl<T: Real, const P: usize, const N: usize> Nearest<T, P, N> {
-    /// Keeps the `wanted` nearest.
+    /// An empty list for the `wanted` nearest points.
     pub(crate) fn new(wanted: usize) -> Self {
         Self {
             wanted: wanted.min(N),
@@ -41,34 +40,34 @@ impl<T: Real, const P: usize, const N: usize> Nearest<T, P, N> {
         }
     }
 
-    /// The square of the distance from which on nothing is kept. Most are farther than all that are kept.
+    /// Squared distance at and beyond which points are rejected: that of the farthest of a full list, else infinity.
     pub(crate) fn limit(&self) -> T {
         self.limit
     }
 
-    /// How many there are.
+    /// Number of points in the list.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
 
-    /// Keeps what lies at `offset`, `square` being the square of its length, if it is near enough. At equal distance
-    /// those given first come first; what is at no finite distance is not kept. Numbers fit a u16, as those of samples
-    /// and nodes in a model do.
+    /// Inserts the point `number` at `offset`, with the squared length `square`, if it is near enough. Points at equal
+    /// distance keep the order in which they were offered; points at no finite distance are rejected. Indices fit a
+    /// u16, as those of a model's samples and nodes do.
     pub(crate) fn offer(&mut self, number: usize, square: T, offset: [T; P]) {
         let near = square < self.limit;
         if !near {
             return;
         }
-        // The farthest makes room.
+        // The point takes the slot of the farthest.
         self.count = (self.count + 1).min(self.wanted);
         let kept = slice_or_empty_mut(&mut self.order, 0..self.count);
         let Some(Neighbour { slot, .. }) = kept.last().copied() else {
             return;
         };
-        if let Some(place) = self.offsets.get_mut(usize::from(slot)) {
-            *place = offset;
+        if let Some(stored) = self.offsets.get_mut(usize::from(slot)) {
+            *stored = offset;
         }
-        // Every one that is farther moves up by one.
+        // Farther points move up by one.
         let Some((mut free, nearer)) = kept.split_last_mut() else {
             return;
         };
@@ -86,7 +85,7 @@ impl<T: Real, const P: usize, const N: usize> Nearest<T, P, N> {
         }
     }
 
-    /// Those kept, in order of distance, and their offsets.
+    /// The points in order of distance, with their offsets.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&Neighbour<T>, &[T; P])> {
         let offset = |neighbour: &Neighbour<T>| self.offsets.get(usize::from(neighbour.slot));
         self.order
@@ -104,7 +103,7 @@ mod tests {
         offset.iter().map(|x| x * x).sum()
     }
 
-    /// The numbers kept, in order.
+    /// The indices in order.
     fn numbers<const P: usize, const N: usize>(offsets: &[[f64; P]]) -> [Option<u16>; N] {
         let mut nearest = Nearest::<f64, P, N>::new(N);
         for (number, offset) in offsets.iter().enumerate() {
@@ -125,8 +124,8 @@ mod tests {
         assert_eq!(numbers(&offsets), [4, 1, 3].map(Some));
         assert_eq!(numbers(&offsets[..1]), [Some(0), None]);
         assert_eq!(numbers(&offsets[..3]), [Some(1), Some(2), Some(0), None]);
-        let apart = offsets.map(|[x, y]| if x > 1.0 { [f64::INFINITY; 2] } else { [x, y] });
-        assert_eq!(numbers(&apart), [Some(4), Some(1), Some(3), None]);
+        let distant = offsets.map(|[x, y]| if x > 1.0 { [f64::INFINITY; 2] } else { [x, y] });
+        assert_eq!(numbers(&distant), [Some(4), Some(1), Some(3), None]);
         assert_eq!(numbers(&offsets), []);
     }
 
