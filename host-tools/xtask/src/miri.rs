@@ -11,7 +11,7 @@ const TARGET: &str = "riscv64gc-unknown-linux-gnu";
 
 /// Runs the tests.
 pub fn miri() -> Result<()> {
-    setup::nightly("miri rust-src")?;
+    setup::bring(&[setup::MIRI])?;
     for tests in [
         "--package capsule-capi --lib --test refusals",
         "--package capsule-core --lib --test flips",

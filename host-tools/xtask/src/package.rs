@@ -1,7 +1,8 @@
 //! Ready archives of the C interface, one a target: header, static library, model, examples.
 
 use crate::command::{command, output, run};
-use crate::{header, root, setup, target_directory};
+use crate::setup::{self, Tool};
+use crate::{header, root, target_directory};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -79,7 +80,7 @@ fn build(library: &Library, target: &str) -> Result<PathBuf> {
 /// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a
 /// Cortex-M4F that takes 2 % less code than its own limit for size.
 pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
-    setup::rust_target(target)?;
+    setup::bring(&[Tool::Target(target)])?;
     let cpu = match target {
         CORTEX_M => Some("cortex-m4"),
         CORTEX_M33 => Some("cortex-m33"),

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// Prints the table.
 pub fn scenes() -> Result<()> {
-    setup::debian_package("valgrind", "valgrind")?;
+    setup::bring(&[setup::VALGRIND])?;
     run(&mut command("cargo build --quiet --release --package capsule-cli"))?;
     let program = target_directory().join("release/capsule-rom");
     let program = program.to_str().context("the target directory is not UTF-8")?;

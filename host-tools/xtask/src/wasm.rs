@@ -24,7 +24,7 @@ const RUSTC_FEATURES: [&str; 8] = [
 
 /// Builds `wasm/explorer/src/wasm/`.
 pub fn build() -> Result<()> {
-    setup::rust_target(TARGET)?;
+    setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
         "cargo build --quiet --package capsule-wasm --profile wasm --target {TARGET}"
     )))?;
@@ -41,7 +41,7 @@ pub fn build() -> Result<()> {
 
 /// Optimises a module in place, by these options of wasm-opt.
 pub fn optimise(module: &Path, options: &str) -> Result<()> {
-    setup::npm_modules("wasm/explorer")?;
+    setup::bring(&[setup::EXPLORER_MODULES])?;
     let wasm_opt = root().join("wasm/explorer/node_modules/.bin/wasm-opt");
     run(command(&wasm_opt.to_string_lossy())
         .args(options.split_whitespace())
