@@ -9,6 +9,7 @@ mod header;
 mod licences;
 mod miri;
 mod mutants;
+mod notices;
 mod package;
 mod scenes;
 mod setup;

@@ -1,8 +1,8 @@
-//! Ready archives of the C interface, one a target: header, static library, model, examples.
+//! Ready archives of the C interface, one a target: header, static library, model, examples, licences.
 
 use crate::command::{command, output, run};
 use crate::setup::{self, Tool};
-use crate::{header, root, target_directory};
+use crate::{header, notices, root, target_directory};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -59,6 +59,9 @@ pub fn folder(target: &str) -> Result<PathBuf> {
     for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&root().join(licence), &folder.join(licence))?;
     }
+    let notices = folder.join(notices::FILE);
+    fs::write(&notices, notices::of("capsule-capi", target)?)
+        .with_context(|| format!("could not write {}", notices.display()))?;
     copy(&root().join("models/capsule.crom"), &folder.join("models/capsule.crom"))?;
     for part in ["examples", "examples/cortex-m"] {
         for entry in fs::read_dir(source.join(part)).with_context(|| format!("core/capi/{part}"))? {

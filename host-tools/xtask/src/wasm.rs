@@ -2,7 +2,7 @@
 //! crate), then wasm-opt from the page's npm modules.
 
 use crate::command::{command, run};
-use crate::{root, setup, target_directory};
+use crate::{notices, root, setup, target_directory};
 use anyhow::{Context, Result};
 use std::path::Path;
 
@@ -36,6 +36,8 @@ pub fn build() -> Result<()> {
         .typescript(true)
         .generate(&folder)
         .with_context(|| format!("wasm-bindgen on {}", module.display()))?;
+    std::fs::write(folder.join(notices::FILE), notices::of("capsule-wasm", TARGET)?)
+        .with_context(|| format!("could not write {}", notices::FILE))?;
     optimise(&folder.join("capsule_wasm_bg.wasm"), "-O3")
 }
 
