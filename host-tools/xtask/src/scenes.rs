@@ -1,5 +1,5 @@
-//! What a scene costs, as a table for docs/measurements.md: what `capsule-rom study scenes` counts and times, and the
-//! instructions that callgrind counts.
+//! The cost of each scene, as a table for docs/measurements.md: the counts and times of `capsule-rom study scenes`, and
+//! the instructions counted by callgrind.
 
 use crate::command::{command, output, run};
 use crate::{setup, target_directory};

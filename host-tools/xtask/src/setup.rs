@@ -47,6 +47,7 @@ pub const ARM_GCC: Tool = Tool::Debian("arm-none-eabi-gcc", "gcc-arm-none-eabi l
 pub const CHROMIUM: Tool = Tool::Debian("chromium", "chromium");
 pub const CLANG: Tool = Tool::Debian("clang", "clang");
 pub const GCC: Tool = Tool::Debian("g++", "gcc g++ libc6-dev");
+pub const PIP: Tool = Tool::Debian("pip3", "python3-pip");
 pub const QEMU: Tool = Tool::Debian("qemu-system-arm", "qemu-system-arm");
 pub const SLURM: Tool = Tool::Debian("slurmctld", "slurmctld slurmd slurm-client munge");
 pub const VALGRIND: Tool = Tool::Debian("valgrind", "valgrind");
@@ -138,18 +139,20 @@ fn commands(missing: &[Tool]) -> Vec<String> {
         }
     }
     if !packages.is_empty() {
+        // Before the other commands: pip is a Debian package.
         let sudo = if is_root() {
             ""
         } else {
             "sudo --preserve-env=DEBIAN_FRONTEND,RUNLEVEL "
         };
-        commands.push(format!("{sudo}apt-get update -qq"));
         packages.sort_unstable();
         packages.dedup();
         let packages = packages.join(" ");
-        commands.push(format!(
-            "{sudo}apt-get install -y -qq --no-install-recommends {packages}"
-        ));
+        let debian = [
+            "update -qq",
+            &format!("install -y -qq --no-install-recommends {packages}"),
+        ];
+        commands.splice(0..0, debian.map(|task| format!("{sudo}apt-get {task}")));
     }
     commands.dedup();
     commands

@@ -46,13 +46,13 @@ enum Stage {
 }
 
 impl Stage {
-    /// What the stage needs beyond rustup and Node.
+    /// The tools of the stage, beyond rustup and Node.
     fn tools(self) -> &'static [Tool<'static>] {
         match self {
             Self::Lint | Self::Validate | Self::Fuzz => &[],
-            Self::Spelling => &[setup::TYPOS],
-            Self::Licences => &[setup::DENY],
-            Self::Rust => &[setup::NEXTEST],
+            Self::Spelling => &[setup::PIP, setup::TYPOS],
+            Self::Licences => &[setup::PIP, setup::DENY],
+            Self::Rust => &[setup::PIP, setup::NEXTEST],
             Self::Miri => &[setup::MIRI],
             Self::Firmware => &[setup::CORTEX_M, setup::CORTEX_M33, setup::QEMU],
             Self::C => &[
