@@ -51,7 +51,7 @@ enum Task {
     /// Search for inputs that make the core or its C interface fail, with libFuzzer and the address sanitizer
     Fuzz(fuzz::Options),
     /// Run tests of the core and of its C interface in Miri, which finds undefined behaviour
-    Miri,
+    Miri(miri::Options),
     /// Find changes of the core and of the database that no test notices, with cargo-mutants; takes hours
     Mutants(mutants::Options),
     /// Print the cost of each scene: instructions, operations, bytes, time
@@ -89,7 +89,7 @@ fn main() -> ExitCode {
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),
-        Task::Miri => miri::miri(),
+        Task::Miri(options) => miri::miri(&options),
         Task::Mutants(options) => mutants::mutants(&options),
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),

@@ -2,9 +2,10 @@
 
 use crate::command::{command, command_in, run};
 use crate::setup::{self, Tool};
-use crate::{budgets, conformance, explore, fuzz, licences, miri, package, root};
+use crate::{budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -103,14 +104,12 @@ impl Stage {
                 run(&mut command("cargo nextest run --workspace --no-fail-fast"))?;
                 run(&mut command("cargo test --workspace --doc --no-fail-fast"))
             }
-            Self::Validate => run(&mut command(
-                "cargo run --quiet --package capsule-cli -- fom validate --quick",
-            )),
-            Self::Miri => miri::miri(),
-            Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
+            Self::Validate => run(command(&program()?.to_string_lossy()).args(["fom", "validate", "--quick"])),
+            Self::Miri => miri::miri(&miri::Options { quick: true }),
+            Self::Firmware => run(&mut command("cargo test --workspace --test firmware")),
             Self::C => {
                 let host = package::host()?;
-                let mut test = command("cargo test --package capsule-capi --test c");
+                let mut test = command("cargo test --workspace --test c");
                 for (variable, target) in [
                     ("CAPSULE_HOST_PACKAGE", &*host),
                     ("CAPSULE_CORTEX_M_PACKAGE", package::CORTEX_M),
@@ -130,10 +129,10 @@ impl Stage {
                     Ok(())
                 }
             }
-            Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
+            Self::Cluster => run(&mut command("cargo test --workspace --test slurm")),
             Self::Browser => {
                 explore::build()?;
-                run(&mut command("cargo build --quiet --package capsule-cli"))?;
+                program()?;
                 run(&mut command_in(&root().join("wasm/explorer"), "npm run check"))?;
                 run(&mut command_in(&root().join("wasm/explorer"), "npm run lint"))?;
                 run(command_in(&root().join("tests/browser"), "npm test")
@@ -141,6 +140,14 @@ impl Stage {
             }
         }
     }
+}
+
+/// Builds `capsule-rom`, which an integration test of its own needs, and returns where it is. Every build of a stage is
+/// one of the whole workspace's tests: with one package alone, cargo chooses other features, and compiles most crates
+/// again.
+fn program() -> Result<PathBuf> {
+    run(&mut command("cargo test --quiet --workspace --test command --no-run"))?;
+    Ok(target_directory().join("debug/capsule-rom"))
 }
 
 /// Installs the tools of all stages.
