@@ -1,4 +1,4 @@
-// axe-core finds nothing to object to: wide and narrow, light and dark, with and without an answer.
+// axe-core finds no violation: wide and narrow, light and dark, with and without an answer.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";

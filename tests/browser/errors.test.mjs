@@ -1,5 +1,4 @@
-// How CapsuleExplorer states an answer's validity: what its errors are taken against, that it is extrapolated, and that
-// there is none.
+// How CapsuleExplorer states an answer's validity: the reference of its errors, extrapolation, and refusal.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -43,7 +42,7 @@ async function assertNothing(page) {
   assert.equal(await drawn.count(), 0);
   assert.match(await page.getAttribute("#figures", "aria-label"), /no shape/);
   assert.equal(await page.isVisible("#extrapolated"), false);
-  // Longer than the announcement waits for things to come to rest.
+  // Longer than the delay of the announcement.
   await page.waitForTimeout(900);
   assert.equal(await page.textContent("#announcement"), "");
 }
@@ -71,7 +70,7 @@ function membraneChanged(law, stiffness) {
   const number = Buffer.alloc(8);
   number.writeDoubleLE(1e-4);
   file.writeDoubleLE(stiffness, file.indexOf(number, place));
-  // Of all that the header says only the checksum of what follows it changes.
+  // In the header only the checksum of the payload changes.
   file.writeUInt32LE(crc32(file.subarray(HEADER)), HEADER - 4);
   return file;
 }
@@ -252,7 +251,7 @@ describe("a refused query", () => {
     assert.equal(await page.getAttribute("#track .trace", "d"), "");
     assert.equal(await page.textContent("#track .caption"), "");
     assert.equal(await page.getAttribute("#track .now", "r"), "0.00");
-    // Nor when the stages are laid out anew.
+    // Nor after a new layout.
     await page.setViewportSize({ width: 1300, height: 850 });
     await settled(page);
     assert.equal(await page.getAttribute("#midplane .membrane", "d"), "");

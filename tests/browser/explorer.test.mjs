@@ -1,5 +1,5 @@
-// CapsuleExplorer in Chromium: its figures are the native core's, its controls do what they say, its link restores it,
-// and nothing is said on the console.
+// CapsuleExplorer in Chromium: its figures equal the native core's, its controls work, its link restores the state, and
+// the console stays silent.
 
 import assert from "node:assert/strict";
 import { describe, test } from "node:test";
@@ -332,7 +332,7 @@ describe("without", () => {
     }
     await page.setInputFiles("#model-file", file(damaged));
     await page.waitForFunction(() => document.body.dataset.status === "failed");
-    // A good file that is dropped on the page opens, and the page goes on with it.
+    // A valid file that is dropped on the page opens.
     await page.evaluate(async () => {
       const bytes = await (await fetch("capsule.crom")).arrayBuffer();
       const dataTransfer = new DataTransfer();

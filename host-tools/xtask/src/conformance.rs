@@ -14,7 +14,7 @@ const INTRODUCTION: &str = "\
 
 #[derive(clap::Args)]
 pub struct Options {
-    /// Write the answers of this machine, instead of checking them
+    /// Write the answers of this machine instead of checking them
     #[arg(long)]
     write: bool,
 }
@@ -106,7 +106,7 @@ impl Question {
 
 const STEP: f64 = 0.02;
 
-/// Queries in the interior, at samples, on edges and on the clusters' border, outside, and such as make no sense.
+/// Queries in the interior, at samples, on edges and on the clusters' border, outside, and invalid ones.
 fn questions(model: &Model<'_>) -> Vec<Question> {
     let contents = model.contents();
     let end = f64::from(model.end_time());

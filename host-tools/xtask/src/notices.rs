@@ -26,7 +26,7 @@ struct Crate {
     folder: PathBuf,
 }
 
-/// The notices of what is linked into `package` for a target.
+/// The notices of the crates that are linked into `package` for a target.
 pub fn of(package: &str, target: &str) -> Result<String> {
     let mut text = format!("Other people's software in {package}, for {target}.\n");
     let rust = output(&mut command("rustc --version"))?;
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::{package, wasm};
 
-    /// Cargo's own list of what is linked.
+    /// Cargo's own list of the linked crates.
     fn tree(package: &str, target: &str) -> BTreeSet<String> {
         let tree = output(&mut command(&format!(
             "cargo tree --locked --package {package} --edges normal,no-proc-macro --target {target} --prefix none"

@@ -94,7 +94,7 @@ pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str)
          --target {target} -- -C llvm-args=-inline-threshold=7 {flags}",
         library.features
     ));
-    // Every crate is told the processor: capsule-dsp finds out which instructions it has.
+    // The processor is set for every crate: capsule-dsp chooses its instructions by it.
     if let Some(cpu) = cpu {
         build
             .env("RUSTFLAGS", format!("-C target-cpu={cpu}"))

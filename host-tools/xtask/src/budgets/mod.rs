@@ -69,8 +69,8 @@ pub fn budgets(options: &Options) -> Result<()> {
     let record: Value = serde_json::from_str(&std::fs::read_to_string(record_path()).context("the record")?)?;
     if record["compilers"] != json!(compilers) {
         bail!(
-            "the figures were recorded with {}, and cannot be compared with those of \"{compilers}\": take the compilers of \
-             the record, or record new figures with `cargo xtask budgets --write`",
+            "the figures were recorded with {} and cannot be compared with those of \"{compilers}\": use the recorded \
+             compilers, or record new figures with `cargo xtask budgets --write`",
             record["compilers"]
         );
     }
