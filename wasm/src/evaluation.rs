@@ -8,8 +8,8 @@ use capsule_core::{
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
-/// One query of a model and the storage for its answers. The core keeps its results there: a query that is set twice, or
-/// an instant that several methods ask for, is computed once. After a refused query every method refuses.
+/// One query of a model and the storage for its answers. The core keeps its results there: a query that is set twice,
+/// or an instant that several methods ask for, is computed once. After a refused query every method refuses.
 #[wasm_bindgen]
 pub struct Evaluation {
     shared: Rc<Shared>,

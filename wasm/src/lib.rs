@@ -1,5 +1,5 @@
-//! capsule-core in the browser: a model, and its evaluations in single precision with the same bits as natively and on a
-//! microcontroller. Every failure is a JavaScript `Error` with the core's text.
+//! capsule-core in the browser: a model, and its evaluations in single precision with the same bits as natively and on
+//! a microcontroller. Every failure is a JavaScript `Error` with the core's text.
 //!
 //! Each method computes only its own result.
 

@@ -194,8 +194,8 @@ impl Model {
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
-    /// The parameters to suggest instead of those outside the domain: each moved into its range, and Ca below the steady
-    /// limit where there is one, to a thousandth.
+    /// The parameters to suggest instead of those outside the domain: each moved into its range, and Ca below the
+    /// steady limit where there is one, to a thousandth.
     pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {
         let core = self.shared.core();
         let ranges = &core.contents().metadata.parameters;
