@@ -34,6 +34,12 @@ export default defineConfig({
   base: "./",
   appType: "mpa",
   plugins: [shippedModel()],
-  build: { target: "es2023", assetsInlineLimit: 0, chunkSizeWarningLimit: 800 },
+  build: {
+    target: "es2023",
+    assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 800,
+    // The licences of the bundled packages; `cargo xtask explore` adds those of the module's crates.
+    license: { fileName: "THIRD-PARTY.txt" },
+  },
   server: { port: 5173, strictPort: true },
 });

@@ -1,4 +1,4 @@
-//! An opened model file and what it says of itself.
+//! An opened model file and its metadata.
 
 use crate::evaluation::Evaluation;
 use crate::surface::Surface;
@@ -19,7 +19,7 @@ self_cell!(
     }
 );
 
-/// What all evaluations of a model share.
+/// The parts that all evaluations of a model share.
 pub(crate) struct Shared {
     file: File,
     /// The membrane as triangles to draw.
@@ -48,7 +48,7 @@ impl Model {
     /// Opens the bytes of a file.
     ///
     /// # Errors
-    /// What is wrong with the file, in the core's words.
+    /// The core's error text.
     pub fn open(bytes: Vec<u8>) -> Result<Model, JsError> {
         let file = File::try_new(bytes, |bytes| CoreModel::open(bytes))?;
         let mesh = file.borrow_dependent().mesh();
@@ -67,7 +67,7 @@ impl Model {
         Evaluation::new(self.shared.clone())
     }
 
-    /// Title for people.
+    /// Title.
     #[wasm_bindgen(getter)]
     pub fn title(&self) -> String {
         self.shared.core().title().to_owned()
@@ -91,7 +91,7 @@ impl Model {
         format!("{:08x}", self.shared.core().digest())
     }
 
-    /// Digest of the snapshots that the model was made from.
+    /// Digest of the snapshots behind the model.
     #[wasm_bindgen(getter, js_name = databaseDigest)]
     pub fn database_digest(&self) -> String {
         self.shared.core().database_digest().to_owned()
@@ -109,13 +109,13 @@ impl Model {
         self.shared.nodes
     }
 
-    /// The last instant that can be asked for.
+    /// The last instant, in l/V.
     #[wasm_bindgen(getter, js_name = endTime)]
     pub fn end_time(&self) -> f64 {
         self.shared.core().end_time().into()
     }
 
-    /// The method to take when the user has no wish: "direct" or "paper".
+    /// The default method: "direct" or "paper".
     #[wasm_bindgen(getter, js_name = defaultMethod)]
     pub fn default_method(&self) -> String {
         match self.shared.core().default_method() {
@@ -186,15 +186,15 @@ impl Model {
         samples.concat()
     }
 
-    /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by rising a/l.
+    /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by increasing a/l.
     #[wasm_bindgen(js_name = steadyLimit)]
     pub fn steady_limit(&self) -> Vec<f64> {
         let rows = self.shared.core().steady_limit_points().pairs();
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
-    /// The parameters to suggest instead of ones outside: each moved into its range, and Ca below the steady limit
-    /// where there is one, to a thousandth.
+    /// The parameters to suggest instead of those outside the domain: each moved into its range, and Ca below the
+    /// steady limit where there is one, to a thousandth.
     pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {
         let core = self.shared.core();
         let ranges = core.parameters();
@@ -206,7 +206,7 @@ impl Model {
         if let ([capillary_number, confinement], Some(range)) = (&mut nearest[..], ranges.first())
             && let Some(limit) = core.steady_limit(*confinement)
         {
-            // A limit stored as a single may lie a hair below the number it was made from.
+            // A limit stored in single precision may lie slightly below the original.
             let limit = (limit.min(range.max) * 1e3 + 1e-3).floor() / 1e3;
             *capillary_number = capillary_number.min(limit).max(range.min);
         }

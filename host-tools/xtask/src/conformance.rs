@@ -14,7 +14,7 @@ const INTRODUCTION: &str = "\
 
 #[derive(clap::Args)]
 pub struct Options {
-    /// Write the answers of this machine, instead of checking them
+    /// Write the answers of this machine instead of checking them
     #[arg(long)]
     write: bool,
 }
@@ -45,7 +45,7 @@ pub fn conformance(options: &Options) -> Result<()> {
 
 /// Builds the module that Node and Chromium run, and returns where it is.
 pub fn module() -> Result<PathBuf> {
-    setup::rust_target(wasm::TARGET)?;
+    setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
         "cargo rustc --quiet --package capsule-conformance --crate-type cdylib --profile wasm --target {}",
         wasm::TARGET
@@ -106,7 +106,7 @@ impl Question {
 
 const STEP: f64 = 0.02;
 
-/// Queries in the interior, at samples, on edges and on the clusters' border, outside, and such as make no sense.
+/// Queries in the interior, at samples, on edges and on the clusters' border, outside, and invalid ones.
 fn questions(model: &Model<'_>) -> Vec<Question> {
     let end = f64::from(model.end_time());
     let range = |index: usize| {

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// What every symbol starts with, and the names that programs use instead.
+/// The prefix of every symbol, and that of the names that programs use instead.
 pub const VERSIONED: &str = "capsule_v1_";
 const PLAIN: &str = "capsule_";
 
@@ -59,7 +59,7 @@ fn generate() -> Result<String> {
     let mut bytes = Vec::new();
     bindings.write(&mut bytes);
     let text = String::from_utf8(bytes).context("cbindgen writes UTF-8")?;
-    // What Rust wants said of unsafe functions is said once, in the introduction.
+    // The safety sections of the Rust functions have one place in C: the introduction.
     let text = text.replace("//\n// # Safety\n// See [`functions`](crate::functions).\n", "");
     let Some((declarations, end)) = text.rsplit_once("#endif  /* CAPSULE_H */") else {
         anyhow::bail!("cbindgen wrote no include guard");

@@ -1,4 +1,5 @@
-import { DEFAULT_STATE, FRAMES, METHODS, QUANTITIES, SPEEDS, type State, VIEWS } from "./state";
+import { QUANTITIES } from "./quantities";
+import { DEFAULT_STATE, FRAMES, METHODS, SPEEDS, type State, VIEWS } from "./state";
 
 /** Writes the state as a URL fragment: always the query and the time, the rest where it differs from the default. */
 export function toFragment(state: State): string {

@@ -1,3 +1,5 @@
+import type { QUANTITIES } from "./quantities";
+
 /** What the page shows, in one immutable value. Everything on screen is a function of it and of the open model. */
 export interface State {
   /** Capillary number Ca = mu V / G_s. */
@@ -35,16 +37,6 @@ export type Frame = (typeof FRAMES)[number];
 export const VIEWS = ["solid", "midplane", "diagonal", "transversal"] as const;
 export type View = (typeof VIEWS)[number];
 
-export const QUANTITIES = [
-  "axial_length",
-  "half_width",
-  "half_diagonal",
-  "rear_depth",
-  "velocity",
-  "volume",
-  "expected_error",
-  "error_bound",
-] as const;
 export type Quantity = (typeof QUANTITIES)[number];
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 5] as const;

@@ -1,5 +1,6 @@
 import { element, html } from "../app/page";
-import { QUANTITIES, type Quantity } from "../app/state";
+import { QUANTITIES } from "../app/quantities";
+import type { Quantity } from "../app/state";
 import type { ErrorMeaning } from "../model/errors";
 import { ERRORS, measure, nameOf, PRESENTATION, STANDARD_UNITS, written } from "./quantities";
 
