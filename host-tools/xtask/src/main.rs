@@ -1,5 +1,6 @@
 //! `cargo xtask`: the one entry for set-up, tests and the page, the same for a person and for CI.
 
+mod book;
 mod budgets;
 mod command;
 mod conformance;
@@ -36,6 +37,8 @@ Examples:
 enum Task {
     /// Install what the other tasks need: Rust targets, Debian packages, npm modules
     Setup,
+    /// Check the documents' links, figures and code, and build the book into target/book
+    Book,
     /// Measure what the online stage costs on a Cortex-M4F, and compare with what was recorded
     Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
@@ -72,6 +75,7 @@ fn target_directory() -> PathBuf {
 fn main() -> ExitCode {
     let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
+        Task::Book => book::book(),
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),

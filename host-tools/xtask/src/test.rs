@@ -1,7 +1,7 @@
 //! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
 
 use crate::command::{command, command_in, run};
-use crate::{budgets, conformance, explore, fuzz, package, root, setup};
+use crate::{book, budgets, conformance, explore, fuzz, package, root, setup};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::time::Instant;
@@ -20,6 +20,8 @@ pub struct Options {
 enum Stage {
     /// rustfmt, clippy, rustdoc
     Lint,
+    /// the documents: links, figures against stored results, code, the book
+    Book,
     /// unit, property and command tests of every crate
     Rust,
     /// the core on emulated Cortex-M4F, M7 and M33
@@ -37,8 +39,9 @@ enum Stage {
 }
 
 impl Stage {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Lint,
+        Self::Book,
         Self::Rust,
         Self::Firmware,
         Self::C,
@@ -52,6 +55,7 @@ impl Stage {
     fn set_up(self) -> Result<()> {
         match self {
             Self::Lint | Self::Rust | Self::Fuzz => Ok(()),
+            Self::Book => book::set_up(),
             Self::Firmware => {
                 setup::rust_target(package::CORTEX_M)?;
                 setup::rust_target(package::CORTEX_M33)?;
@@ -90,6 +94,7 @@ impl Stage {
                 ))?;
                 run(command("cargo doc --quiet --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))
             }
+            Self::Book => book::book(),
             Self::Rust => run(&mut command("cargo test --workspace --no-fail-fast")),
             Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
             Self::C => {
