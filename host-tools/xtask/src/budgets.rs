@@ -27,7 +27,7 @@ const LIMITS: [(&str, u64); 6] = [
     ("stack_bytes", 4 << 10),
 ];
 
-/// The aims that are not met: docs/embedded.md says why.
+/// The aims that are not met: docs/reports/embedded.md says why.
 const SHORTFALLS: [(&str, u64); 2] = [("flash_bytes", 48 << 10), ("wasm_bytes", 40_000)];
 
 #[derive(Default, clap::Args)]

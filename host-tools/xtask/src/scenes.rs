@@ -1,4 +1,4 @@
-//! What a scene costs, as a table for docs/measurements.md: what `capsule-rom study scenes` counts and times, and the
+//! What a scene costs, as a table for docs/reports/speed.md: what `capsule-rom study scenes` counts and times, and the
 //! instructions that callgrind counts.
 
 use crate::command::{command, output, run};
