@@ -5,6 +5,9 @@
 //! `/methods/direct/0` and a key a pointer from there; in a CSV file PLACE selects rows, `[column=value][...]`, a key is
 //! a column, and the numbers are those of the first row, then of the second ... A key `-` stands for a number that is
 //! not checked. Signs are not compared.
+//!
+//! `<!-- rows = FILE PLACE KEY... -->` above a table checks the last numbers of each of its rows in the same way, with
+//! the number of the row, from 0, for every `*`.
 
 use super::page::Page;
 use anyhow::{Context, Result, anyhow, bail};
@@ -12,13 +15,28 @@ use serde_json::Value;
 use std::path::Path;
 
 const START: &str = "<!-- = ";
+const ROWS: &str = "<!-- rows = ";
 const END: &str = " -->";
 
 /// What is wrong with the figures of the pages.
 pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
     let mut faults = Vec::new();
     for page in pages {
+        // The comment above a table, and how many of the table's lines were seen; two of them are its heading.
+        let mut table: Option<(&str, usize)> = None;
         for (number, line) in page.prose() {
+            table = match (line.strip_prefix(ROWS), table) {
+                (Some(comment), _) => Some((comment.trim_end_matches(END), 0)),
+                (None, Some((comment, seen))) if line.starts_with('|') => {
+                    let row = seen.checked_sub(2).map(|row: usize| comment.replace('*', &row.to_string()));
+                    if let Some(Err(error)) = row.map(|comment| check(line, &comment, root)) {
+                        faults.push(page.fault(number, &format!("{error:#}")));
+                    }
+                    Some((comment, seen + 1))
+                }
+                (None, Some((comment, 0))) if line.is_empty() => Some((comment, 0)),
+                (None, _) => None,
+            };
             let mut from = 0;
             while let Some(start) = line[from..].find(START).map(|at| from + at) {
                 let text = &line[from..start];
@@ -251,8 +269,14 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("a.json"), r#"{"x": 0.0149, "y": 27280}"#).unwrap();
         let text = "It is 0.015<!-- = a.json / x --> and\n| row 3 | 0.014 | 27,280 | <!-- = a.json / x y -->\n";
-        let faults = faults(&[Page::new("p.md", text)], &folder);
+        let rows = "<!-- rows = b.json /list/* x - -->\n\n| t | x | y |\n|---|---|---|\n| 1 | 0.5 | 9 |\n| 2 | 0.7 | 9 |\n\n| 3 |\n";
+        std::fs::write(folder.join("b.json"), r#"{"list": [{"x": 0.51}, {"x": 0.6}]}"#).unwrap();
+        let faults = faults(&[Page::new("p.md", text), Page::new("q.md", rows)], &folder);
         std::fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(faults, ["p.md:2: 0.014 stands where a.json has x = 0.0149"]);
+        let told = [
+            "p.md:2: 0.014 stands where a.json has x = 0.0149",
+            "q.md:6: 0.7 stands where b.json has x = 0.6",
+        ];
+        assert_eq!(faults, told);
     }
 }

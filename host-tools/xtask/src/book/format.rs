@@ -54,7 +54,7 @@ fn compare(model: &Model<'_>, found: &Value, t: f64) -> Result<f64> {
         }
     }
     if count == 0 || worst.is_nan() || worst > TOLERANCE {
-        bail!("{READER}: of {count} coordinates at t = {t} one is {worst:e} l off; {TOLERANCE:e} l is admitted");
+        bail!("{READER}: of {count} coordinates at t = {t} one is {worst:.1e} l off; {TOLERANCE:.0e} l is admitted");
     }
     Ok(worst)
 }
