@@ -28,7 +28,9 @@ pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
             table = match (line.strip_prefix(ROWS), table) {
                 (Some(comment), _) => Some((comment.trim_end_matches(END), 0)),
                 (None, Some((comment, seen))) if line.starts_with('|') => {
-                    let row = seen.checked_sub(2).map(|row: usize| comment.replace('*', &row.to_string()));
+                    let row = seen
+                        .checked_sub(2)
+                        .map(|row: usize| comment.replace('*', &row.to_string()));
                     if let Some(Err(error)) = row.map(|comment| check(line, &comment, root)) {
                         faults.push(page.fault(number, &format!("{error:#}")));
                     }
