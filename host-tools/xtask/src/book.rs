@@ -1,5 +1,6 @@
-//! The book: checks of its links, paths, figures and code, then mdBook. A page is Markdown that a forge shows as it is.
+//! The book: checks of its links, paths, figures, commands and code, then mdBook. A page is Markdown that a forge shows as it is.
 
+mod commands;
 mod figures;
 mod format;
 mod links;
@@ -17,12 +18,26 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "cor
 /// mdBook and the digests of its wheels.
 const REQUIREMENTS: &str = "docs/mdbook.txt";
 
+#[derive(Default, clap::Args)]
+pub struct Options {
+    /// Write the stored results into the pages where their figures differ
+    #[arg(long)]
+    write: bool,
+}
+
 /// Checks the pages and builds `target/book`.
-pub fn book() -> Result<()> {
+pub fn book(options: &Options) -> Result<()> {
     set_up()?;
+    if options.write {
+        for page in figures::corrected(&pages()?, &root()) {
+            println!("{}: figures written", page.path().display());
+            std::fs::write(root().join(page.path()), page.text()).context("could not write a page")?;
+        }
+    }
     let pages = pages()?;
     let mut faults = links::faults(&pages, &root());
     faults.extend(figures::faults(&pages, &root()));
+    faults.extend(commands::faults(&pages)?);
     if !faults.is_empty() {
         bail!("{} faults:\n  {}", faults.len(), faults.join("\n  "));
     }

@@ -38,7 +38,7 @@ enum Task {
     /// Install what the other tasks need: Rust targets, Debian packages, npm modules
     Setup,
     /// Check the documents' links, figures and code, and build the book into target/book
-    Book,
+    Book(book::Options),
     /// Measure what the online stage costs on a Cortex-M4F, and compare with what was recorded
     Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
@@ -75,7 +75,7 @@ fn target_directory() -> PathBuf {
 fn main() -> ExitCode {
     let result: Result<()> = match Arguments::parse().task {
         Task::Setup => setup::everything(),
-        Task::Book => book::book(),
+        Task::Book(options) => book::book(&options),
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),

@@ -94,7 +94,7 @@ impl Stage {
                 ))?;
                 run(command("cargo doc --quiet --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))
             }
-            Self::Book => book::book(),
+            Self::Book => book::book(&book::Options::default()),
             Self::Rust => run(&mut command("cargo test --workspace --no-fail-fast")),
             Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
             Self::C => {

@@ -12,27 +12,79 @@
 use super::page::Page;
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
+use std::cmp::Reverse;
+use std::ops::Range;
 use std::path::Path;
 
 const START: &str = "<!-- = ";
 const ROWS: &str = "<!-- rows = ";
 const END: &str = " -->";
 
+/// A figure that is not the stored one.
+struct Difference {
+    /// Its digits in the line.
+    digits: Range<usize>,
+    /// The stored number as the page would print it.
+    stored: String,
+    what: String,
+}
+
 /// What is wrong with the figures of the pages.
 pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
     let mut faults = Vec::new();
+    each_line(pages, root, |page, number, found| match found {
+        Ok(differences) => faults.extend(
+            differences
+                .iter()
+                .map(|difference| page.fault(number, &difference.what)),
+        ),
+        Err(error) => faults.push(page.fault(number, &format!("{error:#}"))),
+    });
+    faults
+}
+
+/// The texts of the pages with the stored numbers in place of those that differ, of the pages in which any do.
+pub fn corrected(pages: &[Page], root: &Path) -> Vec<Page> {
+    let mut corrected: Vec<Page> = Vec::new();
+    for page in pages {
+        let mut lines: Vec<String> = page.text().split('\n').map(str::to_owned).collect();
+        each_line(std::slice::from_ref(page), root, |_, number, found| {
+            let line = lines.get_mut(number - 1);
+            if let (Ok(mut differences), Some(line)) = (found, line) {
+                differences.sort_by_key(|difference| Reverse(difference.digits.start));
+                for Difference { digits, stored, .. } in differences {
+                    line.replace_range(digits, &stored);
+                }
+            }
+        });
+        let text = lines.join("\n");
+        if text != page.text() {
+            corrected.push(Page::new(page.path(), text));
+        }
+    }
+    corrected
+}
+
+/// Checks all lines with figures.
+fn each_line(pages: &[Page], root: &Path, mut found: impl FnMut(&Page, usize, Result<Vec<Difference>>)) {
     for page in pages {
         // The comment above a table, and how many of the table's lines were seen; two of them are its heading.
         let mut table: Option<(&str, usize)> = None;
         for (number, line) in page.prose() {
+            let mut of_line = Ok(Vec::new());
+            let mut add = |text: &str, before: usize, comment: &str| match (&mut of_line, check(text, comment, root)) {
+                (Ok(all), Ok(differences)) => all.extend(differences.into_iter().map(|mut difference| {
+                    difference.digits = before + difference.digits.start..before + difference.digits.end;
+                    difference
+                })),
+                (of_line, Err(error)) => *of_line = Err(error),
+                (Err(_), Ok(_)) => {}
+            };
             table = match (line.strip_prefix(ROWS), table) {
                 (Some(comment), _) => Some((comment.trim_end_matches(END), 0)),
                 (None, Some((comment, seen))) if line.starts_with('|') => {
-                    let row = seen
-                        .checked_sub(2)
-                        .map(|row: usize| comment.replace('*', &row.to_string()));
-                    if let Some(Err(error)) = row.map(|comment| check(line, &comment, root)) {
-                        faults.push(page.fault(number, &format!("{error:#}")));
+                    if let Some(row) = seen.checked_sub(2) {
+                        add(line, 0, &comment.replace('*', &row.to_string()));
                     }
                     Some((comment, seen + 1))
                 }
@@ -41,23 +93,18 @@ pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
             };
             let mut from = 0;
             while let Some(start) = line[from..].find(START).map(|at| from + at) {
-                let text = &line[from..start];
                 let body = &line[start + START.len()..];
-                let (body, length) = body
-                    .split_once(END)
-                    .map_or((body, body.len()), |(body, _)| (body, body.len()));
-                if let Err(error) = check(text, body, root) {
-                    faults.push(page.fault(number, &format!("{error:#}")));
-                }
-                from = (start + START.len() + length + END.len()).min(line.len());
+                let comment = body.split_once(END).map_or(body, |(comment, _)| comment);
+                add(&line[from..start], from, comment);
+                from = (start + START.len() + comment.len() + END.len()).min(line.len());
             }
+            found(page, number, of_line);
         }
     }
-    faults
 }
 
-/// Checks the last numbers of a text against a comment.
-fn check(text: &str, comment: &str, root: &Path) -> Result<()> {
+/// Compares the last numbers of a text with those that a comment names.
+fn check(text: &str, comment: &str, root: &Path) -> Result<Vec<Difference>> {
     let (file, rest) = comment
         .split_once(' ')
         .ok_or_else(|| anyhow!("`{comment}` names no key"))?;
@@ -75,14 +122,16 @@ fn check(text: &str, comment: &str, root: &Path) -> Result<()> {
             stored.len()
         );
     };
-    for (number, (key, stored)) in numbers[first..].iter().zip(&stored) {
-        if let Some(stored) = stored
-            && (number.value - stored.abs()).abs() > number.half_unit
-        {
-            bail!("{} stands where {file} has {key} = {stored}", number.value);
-        }
-    }
-    Ok(())
+    let difference = |(number, (key, stored)): (&Number, &(String, Option<f64>))| {
+        let stored = (*stored)?;
+        let differs = (number.value - stored.abs()).abs() > number.half_unit;
+        differs.then(|| Difference {
+            digits: number.digits.clone(),
+            stored: number.print(stored),
+            what: format!("{} stands where {file} has {key} = {stored}", number.value),
+        })
+    };
+    Ok(numbers[first..].iter().zip(&stored).filter_map(difference).collect())
 }
 
 /// Stored numbers, with the names of their keys; none where a key is `-`.
@@ -164,6 +213,27 @@ struct Number {
     value: f64,
     /// Half a unit of its last digit, and what double precision may add.
     half_unit: f64,
+    /// Where its digits stand in the text.
+    digits: Range<usize>,
+    decimals: usize,
+    /// The power of ten that the digits count, by an exponent or a `k` or `M`.
+    exponent: i32,
+}
+
+impl Number {
+    /// Another number as this one is printed.
+    fn print(&self, value: f64) -> String {
+        let printed = format!("{:.*}", self.decimals, value.abs() / 10_f64.powi(self.exponent));
+        let (whole, fraction) = printed.split_at(printed.find('.').unwrap_or(printed.len()));
+        let mut grouped = String::new();
+        for (index, digit) in whole.chars().enumerate() {
+            if index > 0 && (whole.len() - index).is_multiple_of(3) {
+                grouped.push(',');
+            }
+            grouped.push(digit);
+        }
+        grouped + fraction
+    }
 }
 
 /// The numbers of a text: digits, with commas between thousands, a fraction, an exponent, and a `k` or `M` behind.
@@ -183,12 +253,13 @@ fn numbers(text: &str) -> Vec<Number> {
             }
             continue;
         }
+        let start = at;
         let (mut digits, mut decimals, mut fraction) = (String::new(), 0, false);
         loop {
             match bytes.get(at) {
                 Some(c) if c.is_ascii_digit() => {
                     digits.push(char::from(*c));
-                    decimals += i32::from(fraction);
+                    decimals += usize::from(fraction);
                 }
                 Some(b',') if !fraction && (1..=3).all(|next| digit(at + next)) && !digit(at + 4) => {}
                 Some(b'.') if !fraction && digit(at + 1) => {
@@ -199,6 +270,7 @@ fn numbers(text: &str) -> Vec<Number> {
             }
             at += 1;
         }
+        let span = start..at;
         let mut exponent = 0;
         if bytes.get(at) == Some(&b'e') {
             let end = (at + 2..).find(|end| !digit(*end)).unwrap_or(at);
@@ -212,11 +284,17 @@ fn numbers(text: &str) -> Vec<Number> {
                 exponent += power;
             }
         }
-        let unit = 10_f64.powi(exponent - decimals);
+        let unit = 10_f64.powi(exponent) / 10_f64.powi(decimals as i32);
         if let Ok(value) = digits.parse::<f64>() {
             let value = value * 10_f64.powi(exponent);
             let half_unit = 0.5 * unit + 1e-9 * value;
-            numbers.push(Number { value, half_unit });
+            numbers.push(Number {
+                value,
+                half_unit,
+                digits: span,
+                decimals,
+                exponent,
+            });
         }
     }
     numbers
@@ -247,6 +325,17 @@ mod tests {
     }
 
     #[test]
+    fn another_number_is_printed_alike() {
+        let printed = |text: &str, value: f64| numbers(text)[0].print(value);
+        let found = [
+            printed("27,280", 1_234_567.0),
+            printed("140 k", 98_760.0),
+            printed("0.013 %", -0.0249),
+        ];
+        assert_eq!(found, ["1,234,567", "99", "0.025"]);
+    }
+
+    #[test]
     fn json_and_csv_give_their_numbers() {
         let json = r#"{"a": [{"b": 1.25, "c": {"d": -3}}]}"#;
         let stored = pointers(json, "/a/0 b - c/d").unwrap();
@@ -273,12 +362,16 @@ mod tests {
         let text = "It is 0.015<!-- = a.json / x --> and\n| row 3 | 0.014 | 27,280 | <!-- = a.json / x y -->\n";
         let rows = "<!-- rows = b.json /list/* x - -->\n\n| t | x | y |\n|---|---|---|\n| 1 | 0.5 | 9 |\n| 2 | 0.7 | 9 |\n\n| 3 |\n";
         std::fs::write(folder.join("b.json"), r#"{"list": [{"x": 0.51}, {"x": 0.6}]}"#).unwrap();
-        let faults = faults(&[Page::new("p.md", text), Page::new("q.md", rows)], &folder);
+        let pages = [Page::new("p.md", text), Page::new("q.md", rows)];
+        let faults = faults(&pages, &folder);
+        let corrected = corrected(&pages, &folder);
         std::fs::remove_dir_all(&folder).unwrap();
         let told = [
             "p.md:2: 0.014 stands where a.json has x = 0.0149",
             "q.md:6: 0.7 stands where b.json has x = 0.6",
         ];
         assert_eq!(faults, told);
+        let texts = [text.replace("0.014", "0.015"), rows.replace("0.7", "0.6")];
+        assert_eq!(corrected.iter().map(Page::text).collect::<Vec<_>>(), texts);
     }
 }
