@@ -14,10 +14,22 @@ const INSTANTS: [f64; 2] = [0.4, 13.0];
 /// moves the nodes by some 1e-5 l, and a byte at a wrong place by 1e-3 l and more.
 const TOLERANCE: f64 = 2e-4;
 
-/// Runs the reader on the shipped model, and compares.
+/// Results of a model, with its digest.
+const RESULTS: &str = "docs/results/model.json";
+
+/// Runs the reader on the shipped model, and compares. The stored results must be of this model too.
 pub fn check() -> Result<()> {
     let file = std::fs::read(root().join("models/capsule.crom")).context("models/capsule.crom")?;
     let model = Model::open(&file)?;
+    let stored: Value = serde_json::from_str(&std::fs::read_to_string(root().join(RESULTS)).context(RESULTS)?)?;
+    if stored["digest"] != model.digest() {
+        bail!(
+            "the results in {RESULTS} and beside it are of the model {}, not of {}: docs/maintainers/releases.md has the \
+             commands that renew them",
+            stored["digest"],
+            model.digest()
+        );
+    }
     for t in INSTANTS {
         let found = output(&mut command(&format!("python3 {READER} models/capsule.crom {t}")))?;
         let found: Value = serde_json::from_str(&found)?;
