@@ -72,9 +72,9 @@ class Matrix:
         count = [0, columns, columns, rows][encoding]
         self.scales, self.data = struct.unpack(f"<{count}f", data[: 4 * count]), data[4 * count :]
 
-    def byte(self, place, lane, blocks):
-        """The signed byte of row `lane` at a place of a panel with so many blocks."""
-        start = 16 * (lane // 8 * blocks + place // 2) + 4 * (lane % 8 // 2) + 2 * (place % 2) + lane % 2
+    def byte(self, column, row, blocks):
+        """The signed byte in a column and row of the table, whose panels have so many blocks."""
+        start = 16 * (row // 8 * blocks + column // 2) + 4 * (row % 8 // 2) + 2 * (column % 2) + row % 2
         return struct.unpack_from("<b", self.data, start)[0]
 
     def __getitem__(self, index):
