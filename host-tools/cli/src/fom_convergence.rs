@@ -31,7 +31,7 @@ pub struct Options {
 const EXAMPLES: &str = "\
 Examples:
   capsule-rom fom convergence
-  capsule-rom fom convergence --out docs/convergence.csv --json > convergence.json
+  capsule-rom fom convergence --out docs/results/convergence.csv --json > convergence.json
 
 Each case differs from the production settings (*) in one thing and is compared with the last, finest one of its \
 cause, at t = 8 or when the shape stands still: modified Hausdorff distance of both section outlines in the frame of \

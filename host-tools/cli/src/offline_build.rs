@@ -44,7 +44,7 @@ Examples:
   capsule-rom offline build --from data.npz --out data.crom
   capsule-rom offline build --from series/ --split confinement=0.9 --out data.crom
 
-Other people's data: see docs/own-data.md.";
+Other people's data: see docs/guides/own-data.md.";
 
 pub fn run(options: &Options) -> Result<()> {
     let out = match (&options.out, &options.source.from) {

@@ -8,7 +8,7 @@ use capsule_core::{Domain, Method, Model};
 use std::path::PathBuf;
 
 const INTRODUCTION: &str = "\
-# Queries of a model and the bits of their answers; docs/conformance.md describes the format.
+# Queries of a model and the bits of their answers; docs/reference/conformance.md describes the format.
 # Written by `cargo xtask conformance --write`.
 ";
 

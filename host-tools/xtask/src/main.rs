@@ -1,5 +1,6 @@
 //! `cargo xtask`: the one entry for set-up, tests and the page, the same for a person and for CI.
 
+mod book;
 mod budgets;
 mod command;
 mod conformance;
@@ -44,6 +45,8 @@ Examples:
 enum Task {
     /// Install the tools of all tests: Rust targets, nightly Rust, Debian packages, npm modules, programs from PyPI
     Setup,
+    /// Check the documents' links, figures and code, and build the book into target/book
+    Book(book::Options),
     /// Measure the cost of the online stage on a Cortex-M4F, and compare it with the record
     Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
@@ -86,6 +89,7 @@ fn main() -> ExitCode {
     }
     let result: Result<()> = match task {
         Task::Setup => test::set_up(),
+        Task::Book(options) => book::book(&options),
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),

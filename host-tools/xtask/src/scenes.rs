@@ -1,4 +1,4 @@
-//! The cost of each scene, as a table for docs/measurements.md: the counts and times of `capsule-rom study scenes`, and
+//! The cost of each scene, as a table for docs/reports/speed.md: the counts and times of `capsule-rom study scenes`, and
 //! the instructions counted by callgrind.
 
 use crate::command::{command, output, run};

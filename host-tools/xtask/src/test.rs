@@ -2,7 +2,7 @@
 
 use crate::command::{command, command_in, run};
 use crate::setup::{self, Tool};
-use crate::{budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory};
+use crate::{book, budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -26,6 +26,8 @@ enum Stage {
     Spelling,
     /// licences, duplicate versions and sources of the dependencies (cargo-deny)
     Licences,
+    /// the documents: links, figures against stored results, code, the book
+    Book,
     /// unit, property and command tests of every crate (nextest), and the examples in documentation
     Rust,
     /// the full-order model against exact and published results, in short
@@ -52,6 +54,7 @@ impl Stage {
         match self {
             Self::Lint | Self::Validate | Self::Fuzz => &[],
             Self::Spelling => &[setup::PIP, setup::TYPOS],
+            Self::Book => &[setup::PIP, setup::MDBOOK],
             Self::Licences => &[setup::PIP, setup::DENY],
             Self::Rust => &[setup::PIP, setup::NEXTEST],
             Self::Miri => &[setup::MIRI],
@@ -100,6 +103,7 @@ impl Stage {
             }
             Self::Spelling => run(&mut command("typos")),
             Self::Licences => licences::check(),
+            Self::Book => book::book(&book::Options::default()),
             Self::Rust => {
                 run(&mut command("cargo nextest run --workspace --no-fail-fast"))?;
                 run(&mut command("cargo test --workspace --doc --no-fail-fast"))

@@ -23,7 +23,7 @@ const LIMITS: [(&str, u64); 6] = [
     ("stack_bytes", 4 << 10),
 ];
 
-/// Aims that are not met; docs/embedded.md gives the reasons.
+/// Aims that are not met; docs/reports/embedded.md gives the reasons.
 const SHORTFALLS: [(&str, u64); 2] = [("flash_bytes", 48 << 10), ("wasm_bytes", 40_000)];
 
 #[derive(Default, clap::Args)]
