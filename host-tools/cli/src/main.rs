@@ -24,14 +24,14 @@ mod record;
 mod solver_options;
 mod source;
 mod study_bending;
-mod study_fresh;
 mod study_leave_one_out;
 mod study_report;
-mod study_sample;
 mod study_scenes;
 mod study_smoothness;
 mod study_speed;
 mod study_stability;
+mod study_suggest;
+mod study_test_set;
 mod subject;
 mod sweep;
 
@@ -118,12 +118,12 @@ enum Offline {
 enum Study {
     /// Predict each sample from all the others and compare
     LeaveOneOut(study_leave_one_out::Options),
-    /// Compare the model with configurations that no sample shares
-    Fresh(study_fresh::Options),
+    /// Errors of the model at configurations that are not samples
+    TestSet(study_test_set::Options),
     /// The effect of the full-order model's bending stiffness
     Bending(study_bending::Options),
-    /// Suggest the configurations to compute next
-    Sample(study_sample::Options),
+    /// Suggest the configurations to compute next, where the model expects its largest errors
+    Suggest(study_suggest::Options),
     /// How smooth the samples of a database are along its rows: the floor of a model's error
     Smoothness(study_smoothness::Options),
     /// Time of a query, a trajectory, a surface, an outline
@@ -151,9 +151,9 @@ fn main() -> ExitCode {
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
-        Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
+        Command::Study(Study::TestSet(options)) => study_test_set::run(&options),
         Command::Study(Study::Bending(options)) => study_bending::run(&options),
-        Command::Study(Study::Sample(options)) => study_sample::run(&options),
+        Command::Study(Study::Suggest(options)) => study_suggest::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Scenes(options)) => study_scenes::run(&options),
         Command::Study(Study::Speed(options)) => study_speed::run(&options),

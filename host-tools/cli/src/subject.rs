@@ -17,8 +17,8 @@ pub struct SubjectOptions {
     #[arg(long, value_name = "DIR", default_value = "models/database")]
     database: PathBuf,
     /// Folder of the configurations that the model does not contain
-    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
-    fresh: PathBuf,
+    #[arg(long, value_name = "DIR", default_value = "models/test-set")]
+    tests: PathBuf,
     /// A minute instead of several, on a part of the data
     #[arg(long)]
     quick: bool,
@@ -28,7 +28,7 @@ pub struct SubjectOptions {
 pub struct Files {
     model: Cow<'static, [u8]>,
     database: Database,
-    fresh: Database,
+    tests: Database,
     quick: bool,
 }
 
@@ -38,7 +38,7 @@ impl SubjectOptions {
         outputs
             .reads("--model", self.model.path())
             .reads("--database", self.database.as_path())
-            .reads("--fresh", self.fresh.as_path())
+            .reads("--tests", self.tests.as_path())
     }
 
     /// Opens them.
@@ -46,7 +46,7 @@ impl SubjectOptions {
         Ok(Files {
             model: self.model.read()?,
             database: Database::open(&self.database)?,
-            fresh: Database::open(&self.fresh)?,
+            tests: Database::open(&self.tests)?,
             quick: self.quick,
         })
     }
@@ -57,7 +57,7 @@ impl Files {
         Subject {
             model: &self.model,
             database: &self.database,
-            fresh: &self.fresh,
+            tests: &self.tests,
             quick: self.quick,
         }
     }

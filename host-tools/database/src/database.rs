@@ -355,7 +355,7 @@ mod tests {
         Description::new(times(0.2), serde_json::json!({ "tolerance": 1e-5 }))
     }
 
-    fn fresh(directory: &tempfile::TempDir) -> Database {
+    fn new_database(directory: &tempfile::TempDir) -> Database {
         Database::create(directory.path(), description(), octahedral(3)).unwrap()
     }
 
@@ -367,7 +367,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         let directory = tempfile::tempdir().unwrap();
-        let database = fresh(&directory);
+        let database = new_database(&directory);
         let original = relaxing(database.mesh(), database.times());
         assert!(!database.contains(&original.parameters));
         database.write(&original).unwrap();
@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn an_asymmetric_trajectory_keeps_all_its_nodes() {
         let directory = tempfile::tempdir().unwrap();
-        let database = fresh(&directory);
+        let database = new_database(&directory);
         let mut original = relaxing(database.mesh(), database.times());
         let kept = |d: &Database| {
             let mut reader = Reader::open(&directory.path().join(d.file_name(&[0.1, 0.9]))).unwrap();
@@ -421,7 +421,7 @@ mod tests {
     #[test]
     fn a_status_is_recorded_without_snapshots() {
         let directory = tempfile::tempdir().unwrap();
-        let database = fresh(&directory);
+        let database = new_database(&directory);
         let status = Status::Stopped {
             time: 3.4,
             reason: "a node touched the wall".to_owned(),
@@ -445,7 +445,7 @@ mod tests {
     #[test]
     fn threads_may_write_at_once() {
         let directory = tempfile::tempdir().unwrap();
-        let database = fresh(&directory);
+        let database = new_database(&directory);
         let trajectory = relaxing(database.mesh(), &[0.0, 0.2]);
         std::thread::scope(|scope| {
             for k in 0..4 {
@@ -464,8 +464,10 @@ mod tests {
     #[test]
     fn a_sweep_goes_on_but_only_with_the_same_settings() {
         let directory = tempfile::tempdir().unwrap();
-        fresh(&directory).write(&ended(&[0.1, 0.9], Status::Unsteady)).unwrap();
-        assert!(fresh(&directory).contains(&[0.1, 0.9]));
+        new_database(&directory)
+            .write(&ended(&[0.1, 0.9], Status::Unsteady))
+            .unwrap();
+        assert!(new_database(&directory).contains(&[0.1, 0.9]));
         let error = Database::create(directory.path(), description(), octahedral(2)).unwrap_err();
         assert!(error.to_string().contains("differ in mesh"), "{error}");
         let other = Description::new(times(0.2), serde_json::json!({ "tolerance": 1e-4 }));
@@ -479,7 +481,7 @@ mod tests {
     #[test]
     fn equal_contents_have_equal_digests() {
         let directories = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-        let [a, b] = directories.each_ref().map(fresh);
+        let [a, b] = directories.each_ref().map(new_database);
         for database in [&a, &b] {
             database.write(&relaxing(database.mesh(), &[0.0, 0.2])).unwrap();
         }
@@ -496,7 +498,7 @@ mod tests {
             Database::open(directory.path()),
             Err(DatabaseError::NotADatabase { .. })
         ));
-        let database = fresh(&directory);
+        let database = new_database(&directory);
         database.write(&relaxing(database.mesh(), &[0.0, 0.2])).unwrap();
 
         let file = directory.path().join("ca0.1000_al0.9000.npz");

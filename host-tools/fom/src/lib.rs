@@ -24,7 +24,7 @@ pub mod system;
 
 pub use mesh::Mesh;
 pub use parameters::{Configuration, Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
-pub use simulation::{Film, History, Outcome, Pause, Progress, Run, Solver, Status};
+pub use simulation::{Film, History, Outcome, Progress, Run, RunState, Solver, Status};
 pub use symmetry::Symmetry;
 
 use flow::FlowError;

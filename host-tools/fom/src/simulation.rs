@@ -43,7 +43,7 @@ pub enum Status {
     },
     /// Not steady at the end time.
     Unsteady,
-    /// Ended early: the solver could not go on, or the observer broke off.
+    /// Ended early: the solver could not go on, or the observer interrupted it.
     Stopped {
         /// When (l/V).
         time: f64,
@@ -162,21 +162,21 @@ impl Solver {
     }
 
     /// Runs one configuration to its steady state or to the end time. `observer` is called after each step and may
-    /// break off.
+    /// interrupt the run.
     ///
     /// A run that cannot go on is not an error: it keeps its snapshots, with [`Status::Stopped`].
     ///
     /// # Errors
-    /// As [`Solver::start`] and [`Solver::go_on`].
+    /// As [`Solver::start`] and [`Solver::resume`].
     pub fn run(
         &self,
         configuration: &Configuration,
         observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Outcome, FomError> {
-        match self.go_on(self.start(configuration)?, observer)? {
-            Pause::Finished(outcome) => Ok(*outcome),
-            Pause::BrokenOff(run) => {
-                let (time, reason) = (run.state.time, "broken off by the caller".to_owned());
+        match self.resume(self.start(configuration)?, observer)? {
+            RunState::Finished(outcome) => Ok(*outcome),
+            RunState::Interrupted(run) => {
+                let (time, reason) = (run.state.time, "interrupted by the caller".to_owned());
                 let mut outcome = run.record.finish(&self.outlines);
                 outcome.status = Status::Stopped { time, reason };
                 Ok(outcome)
@@ -215,17 +215,17 @@ impl Solver {
         })
     }
 
-    /// Goes on with a run to its end, or until `observer` breaks off. A run that was broken off, saved and read again
+    /// Continues a run to its end, or until `observer` interrupts it. A run that was interrupted, saved and read again
     /// gives the same outcome as an undisturbed one, but for its duration.
     ///
     /// # Errors
     /// [`FomError::UnstableStep`] if a fixed step is too long, [`FomError::AnotherRun`] if the run is one of another
     /// mesh.
-    pub fn go_on(
+    pub fn resume(
         &self,
         mut run: Run,
         observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<Pause, FomError> {
+    ) -> Result<RunState, FomError> {
         let Run {
             state,
             integrator,
@@ -256,7 +256,7 @@ impl Solver {
                 }
                 capsule.recentre(&mut state.value);
                 let residual = capsule.residual(&state.rate);
-                // Before the observer may break off: what is needed of the capsule is its last evaluation.
+                // A snapshot reads the last evaluation of the capsule, so it comes before the observer may interrupt the run.
                 if state.time >= until {
                     record.snapshot(self, &capsule, state);
                 }
@@ -272,7 +272,7 @@ impl Solver {
                     residual,
                 };
                 if observer(&progress).is_break() {
-                    return Ok(Pause::BrokenOff(Box::new(run)));
+                    return Ok(RunState::Interrupted(Box::new(run)));
                 }
             }
             if record.is_finished(&self.settings) {
@@ -286,7 +286,7 @@ impl Solver {
         if let Some(reason) = stopped {
             outcome.status = Status::Stopped { time, reason };
         }
-        Ok(Pause::Finished(Box::new(outcome)))
+        Ok(RunState::Finished(Box::new(outcome)))
     }
 
     fn capsule(&self, configuration: &Configuration) -> Capsule<'_> {
@@ -298,7 +298,7 @@ impl Solver {
     }
 }
 
-/// A run under way: all that decides how it goes on, to be saved and read again.
+/// A run under way: the complete state of the time loop, which can be saved and read again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Run {
     state: State,
@@ -307,7 +307,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// What it is a run of.
+    /// The configuration of the run.
     pub fn configuration(&self) -> &Configuration {
         &self.record.outcome.configuration
     }
@@ -318,13 +318,13 @@ impl Run {
     }
 }
 
-/// Where [`Solver::go_on`] left a run.
+/// The state in which [`Solver::resume`] leaves a run.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Pause {
-    /// At its end.
+pub enum RunState {
+    /// At its end time, steady, or stopped.
     Finished(Box<Outcome>),
-    /// Where the observer broke off.
-    BrokenOff(Box<Run>),
+    /// Interrupted by the observer; [`Solver::resume`] continues it.
+    Interrupted(Box<Run>),
 }
 
 /// How far a velocity, known at equal intervals, still is from its end: its differences fall off geometrically.

@@ -9,7 +9,7 @@ use capsule_core::{Method, Model};
 use capsule_database::{Database, Description};
 use capsule_offline::{Settings, Storage, Truncation, build};
 use capsule_study::{
-    FRESH_TIMES, SampleErrors, StudyError, fresh, leave_one_out, sample::suggest, speed, task, touched,
+    SampleErrors, StudyError, TEST_TIMES, leave_one_out, speed, suggest::suggest, task, test_set, touched,
 };
 
 fn quiet(_: &str, _: usize, _: usize) {}
@@ -102,7 +102,7 @@ fn without_truncation_the_interpolation_errs_as_the_model_does() {
     }
     let (bytes, _) = build(&samples.1, &settings(), &quiet).unwrap();
     let model = Model::open(&bytes).unwrap();
-    let found = fresh(&model, &tests.1, Some(&samples.1), &FRESH_TIMES, &quiet).unwrap();
+    let found = test_set(&model, &tests.1, Some(&samples.1), &TEST_TIMES, &quiet).unwrap();
     assert_eq!(found.interpolation.len(), found.methods["direct"].len());
     for (alone, direct) in found.interpolation.iter().zip(&found.methods["direct"]) {
         assert!(alone.lab_max_percent > 0.1, "{alone:?}");
@@ -116,7 +116,7 @@ fn without_truncation_the_interpolation_errs_as_the_model_does() {
         }
     }
     // Snapshots on another mesh are refused.
-    assert!(fresh(&model, &tests.1, Some(&coarse.1), &FRESH_TIMES, &quiet).is_err());
+    assert!(test_set(&model, &tests.1, Some(&coarse.1), &TEST_TIMES, &quiet).is_err());
 }
 
 /// A model of a small grid of the family.

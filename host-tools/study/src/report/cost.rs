@@ -47,7 +47,7 @@ pub(super) fn pareto(
 ) -> Result<[Section; 2], StudyError> {
     let quick = subject.quick;
     let mut comparison = Comparison {
-        truths: read(subject.fresh, if quick { 4 } else { 32 }, |_| true)?,
+        truths: read(subject.tests, if quick { 4 } else { 32 }, |_| true)?,
         repetitions: if quick { 2 } else { 5 },
         ways: Vec::new(),
     };

@@ -53,7 +53,7 @@ impl Small {
         }
         let most = if subject.quick { 3 } else { 8 };
         let off_grid = |parameters| inside(parameters) && !on_grid(parameters);
-        let truths = read(subject.fresh, most, off_grid).or_else(|_| read(database, most, off_grid))?;
+        let truths = read(subject.tests, most, off_grid).or_else(|_| read(database, most, off_grid))?;
         Ok(Small {
             mesh: database.mesh().clone(),
             symmetry: database.symmetry().clone(),

@@ -34,7 +34,7 @@ pub struct Subject<'a> {
     /// The database that the model is built from.
     pub database: &'a Database,
     /// Configurations that the model does not contain.
-    pub fresh: &'a Database,
+    pub tests: &'a Database,
     /// A minute instead of several.
     pub quick: bool,
 }
@@ -145,7 +145,7 @@ pub fn stability(subject: &Subject, folder: &Path, progress: Progress) -> Result
     let step = |done: usize, name: &str| progress(name, done, PARTS);
     let model = Model::open(subject.model)?;
     step(0, "settings of the methods");
-    let truths = truth::read(subject.fresh, if subject.quick { 6 } else { 24 }, |_| true)?;
+    let truths = truth::read(subject.tests, if subject.quick { 6 } else { 24 }, |_| true)?;
     let mut rows = settings::rows(&model, &truths, subject.quick)?;
     step(1, "orders of the diffuse approximation");
     rows.extend(orders::rows(subject, &model)?);
