@@ -138,6 +138,24 @@ fn suggestions_spread_and_leave_less_to_expect() {
         let before = found[..i].iter().any(|other| other.parameters == suggestion.parameters);
         assert!(!before, "{suggestion:?} comes twice");
     }
+    // They spread: each of the first ones keeps a distance to all before it, in shares of the domain.
+    let ranges = &model.contents().metadata.parameters;
+    let distance = |a: &[f64], b: &[f64]| -> f64 {
+        let shares = a
+            .iter()
+            .zip(b)
+            .zip(ranges)
+            .map(|((a, b), r)| ((a - b) / (r.max - r.min)).powi(2));
+        shares.sum::<f64>().sqrt()
+    };
+    let closest = (1..12).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let closest = closest.map(|(i, j)| distance(&found[i].parameters, &found[j].parameters));
+    let closest = closest.fold(f64::INFINITY, f64::min);
+    assert!(closest > 0.1, "two suggestions are {closest} of the domain apart");
+    // A sample leaves no more to expect anywhere, so that the greatest expected error falls.
+    for pair in found.windows(2) {
+        assert!(pair[1].expected_percent <= 1.05 * pair[0].expected_percent, "{pair:?}");
+    }
     let [first, last] = [&found[0], &found[119]].map(|suggestion| suggestion.expected_percent);
     assert!(last < 0.2 * first, "{first} to {last}");
 }
