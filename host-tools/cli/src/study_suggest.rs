@@ -24,7 +24,8 @@ pub struct Options {
     /// Write the suggestions as CSV, for `fom sweep --points`
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     csv: Option<PathBuf>,
-    /// Instead, choose a design of this size from the samples of --database and compare it with the paper's grid on --tests
+    /// Instead, choose a design of this size from the samples of --database, and compare it with the paper's grid on
+    /// --tests
     #[arg(long, value_name = "SAMPLES")]
     replay: Option<usize>,
     /// Folder of the snapshot database
@@ -75,7 +76,7 @@ pub fn run(options: &Options) -> Result<()> {
     let model = options.model.open(&bytes)?;
     let suggestions = suggest(&model, options.count, options.until)?;
     let names = model.contents().metadata.parameters.iter().map(|p| p.name);
-    // As the columns of `fom sweep --points` are called.
+    // The column names that `fom sweep --points` reads.
     let names = names.map(|name| if name == "capillary_number" { "ca" } else { name });
     let headings: Vec<&str> = names.chain(["expected_percent"]).collect();
     let row = |s: &Suggestion| -> Vec<String> {

@@ -1,4 +1,4 @@
-//! What the studies of stability and of the report are about: options that both have.
+//! Options that `study stability` and `study report` share: the model and the data.
 
 use crate::model::ModelFile;
 use crate::outputs::Outputs;
@@ -16,10 +16,10 @@ pub struct SubjectOptions {
     /// Folder of the snapshot database
     #[arg(long, value_name = "DIR", default_value = "models/database")]
     database: PathBuf,
-    /// Folder of the configurations that the model does not contain
+    /// Folder of the test set, configurations that are not samples of the model
     #[arg(long, value_name = "DIR", default_value = "models/test-set")]
     tests: PathBuf,
-    /// A minute instead of several, on a part of the data
+    /// Use a part of the data: one minute instead of several
     #[arg(long)]
     quick: bool,
 }

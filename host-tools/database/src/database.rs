@@ -89,7 +89,7 @@ impl Database {
         })
     }
 
-    /// What keeps the configurations of two databases from belonging together: a setting or the mesh.
+    /// The first setting, or the mesh, in which two databases differ, so that their configurations cannot be merged.
     #[must_use]
     pub(crate) fn difference(&self, other: &Self) -> Option<String> {
         if let Some(difference) = self.description.difference(&other.description) {
@@ -105,7 +105,7 @@ impl Database {
         &self.directory
     }
 
-    /// What the configurations have in common.
+    /// The description that all configurations share.
     #[must_use]
     pub fn description(&self) -> &Description {
         &self.description
@@ -142,7 +142,7 @@ impl Database {
     /// encoding and its error.
     ///
     /// # Errors
-    /// What is wrong with the trajectory, or [`DatabaseError::Io`].
+    /// Those of [`Trajectory::validate`], or [`DatabaseError::Io`].
     pub fn write(&self, trajectory: &Trajectory) -> Result<(), DatabaseError> {
         length(
             "parameters",

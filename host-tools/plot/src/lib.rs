@@ -39,7 +39,7 @@ const FINEST: u32 = 10;
 const MAX_COLUMNS: usize = 2;
 const TEXT: &str = "sans-serif";
 
-/// Why a figure was not written.
+/// Errors of drawing and writing a figure.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The file name does not say which format is meant.
@@ -59,12 +59,12 @@ pub enum PlotError {
     Draw {
         /// The file asked for.
         path: PathBuf,
-        /// What the drawing library said.
+        /// The error of the drawing library.
         reason: String,
     },
 }
 
-/// Of a file with a figure.
+/// The file format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Vector graphics.

@@ -186,7 +186,7 @@ impl<'m> Estimator<'m> {
     }
 }
 
-/// What a design of a size gives, and what as many samples of the grid give.
+/// Errors of a model that was built from a design of some size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replayed {
     /// How the samples were chosen: `grid` or `chosen`.

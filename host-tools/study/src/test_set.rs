@@ -36,8 +36,8 @@ pub struct TestSetErrors {
     pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
     /// For each method, what the model states of its errors.
     pub stated: BTreeMap<&'static str, Stated>,
-    /// What the interpolation of direct evaluation errs by alone, without the compression of the file, at each instant;
-    /// if it was asked for.
+    /// Errors of the interpolation of direct evaluation alone, without the compression of the model file, at each
+    /// instant; empty unless asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub interpolation: Vec<InstantErrors>,
     /// For each method, each configuration.
@@ -58,7 +58,7 @@ pub struct Stated {
     pub beyond_walls: f64,
 }
 
-/// What is stated of the errors at an instant: laboratory frame, per cent of a.
+/// The model's own estimates of its errors at an instant: laboratory frame, per cent of a.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InstantStated {
     /// The instant, in l/V.

@@ -22,7 +22,7 @@ use capsule_database::Database;
 use capsule_fom::MembraneDiscretisation;
 use serde::Serialize;
 
-/// What a computed quantity is compared with.
+/// The reference that a computed quantity is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Reference {
@@ -35,19 +35,19 @@ pub enum Reference {
 /// One quantity against its reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// What, with its unit or scaling.
+    /// Name of the quantity, with its unit or scaling.
     pub quantity: String,
-    /// By this solver.
+    /// The value that this solver computes.
     pub computed: f64,
-    /// By others.
+    /// The reference.
     pub reference: Reference,
-    /// Who, or how.
+    /// Source of the reference.
     pub source: &'static str,
     /// Computed less reference; from the nearer end of a range, 0 within.
     pub difference: f64,
     /// The greatest difference that passes.
     pub tolerance: f64,
-    /// Whether it does.
+    /// Whether the difference is within the tolerance.
     pub passed: bool,
 }
 
@@ -64,7 +64,7 @@ impl From<[f64; 2]> for Reference {
 }
 
 impl Check {
-    /// A check with an absolute tolerance. What is not a number does not pass.
+    /// A check with an absolute tolerance. NaN and infinities do not pass.
     pub fn new(
         quantity: impl Into<String>,
         computed: f64,
@@ -88,7 +88,7 @@ impl Check {
         }
     }
 
-    /// A check whose tolerance is a part of the reference.
+    /// A check whose tolerance is relative to the reference.
     pub fn relative(
         quantity: impl Into<String>,
         computed: f64,

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the database; what is there is kept and not computed again
+    /// Folder of the database; configurations that it holds are kept and not computed again
     #[arg(long, value_name = "DIR", default_value = "models/database")]
     database: PathBuf,
     #[command(flatten)]
@@ -55,7 +55,7 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let (rule, rows) = (options.design.rule()?, options.design.rows()?);
     let solver = Solver::new(options.solver.settings())?;
-    // If the longest capsule fits in the duct, all do: say so before anything is computed or written.
+    // If the longest capsule fits in the duct, all do; fail before anything is computed or written.
     if let Some(longest) = rows.last() {
         solver.start(&longest.configuration(0))?;
     }
@@ -142,7 +142,7 @@ impl Worker<'_> {
         interrupt::asked() || self.queue.is_ended()
     }
 
-    /// Computes one configuration to its end and records it, or saves it where it was broken off.
+    /// Computes one configuration to its end and records it, or saves it where it was interrupted.
     fn compute(&self, configuration: &Configuration, bar: &ProgressBar) -> Result<()> {
         let run = match self.checkpoints.read(configuration) {
             Some(run) => run,

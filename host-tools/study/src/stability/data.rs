@@ -231,7 +231,7 @@ fn long(small: &Small, folder: &Path) -> Result<Vec<Row>, StudyError> {
     Ok(rows)
 }
 
-/// What the offline stage makes of samples.
+/// Checks of the offline stage on sample data.
 type Built = Result<(Vec<u8>, BuildReport), StudyError>;
 
 /// Data that no model can be built from, and data that one can.

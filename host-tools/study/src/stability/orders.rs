@@ -11,7 +11,7 @@ use super::truth::{Errors, INSTANTS, Truth, distance, read, read_one};
 use super::{Row, Subject};
 use crate::StudyError;
 
-/// What is varied.
+/// The setting that is varied.
 #[derive(Clone, Copy)]
 pub(super) struct Diffuse {
     pub(super) order: usize,
