@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the finished runs, so that an interrupted study goes on; to be emptied when the solver has changed
+    /// Folder of the finished runs, from which an interrupted study resumes; empty it when the solver has changed
     #[arg(long, value_name = "DIR", default_value = "target/convergence")]
     runs: PathBuf,
     /// Cases computed at the same time, each on one thread

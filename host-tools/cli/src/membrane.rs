@@ -6,17 +6,17 @@ use capsule_core::mechanics::{self, Deformation, Stencil};
 use capsule_core::model::Reference;
 use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Real, Scene};
 
-/// The fields that are asked for, and what they need.
+/// The requested fields, and the operators that they need.
 pub struct Mechanics<'o, T> {
     fields: &'o [Field],
     capillary_number: T,
-    /// Of the sector's nodes.
+    /// Indices of the sector's nodes.
     stencils: Vec<Stencil<T>>,
     sector: Vec<[T; 3]>,
 }
 
 impl<'o, T: Real> Mechanics<'o, T> {
-    /// None where no field is asked for.
+    /// `None` if no field is requested.
     pub fn new(model: &Model<'_>, fields: &'o [Field], capillary_number: T) -> Result<Option<Self>> {
         if fields.is_empty() {
             return Ok(None);
@@ -61,7 +61,7 @@ impl<'o, T: Real> Mechanics<'o, T> {
     }
 }
 
-/// All nodes at an instant, with velocities and what is asked of the membrane.
+/// All nodes at an instant, with velocities and the requested fields.
 pub fn surface<T: Real>(
     model: &Model<'_>,
     evaluator: &mut Evaluator<'_, T>,

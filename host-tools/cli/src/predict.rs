@@ -25,7 +25,7 @@ pub struct Options {
     /// Instants from 0 on, in l/V (or the unit of time of --model); answered in rising order, equal ones once
     #[arg(long, value_delimiter = ',', required = true, allow_negative_numbers = true)]
     t: Vec<f64>,
-    /// How the answer is computed [default: the model's]
+    /// Method of evaluation [default: the model's]
     #[arg(long, value_enum)]
     method: Option<MethodName>,
     /// Answer outside the sampled domain too
@@ -292,7 +292,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
     Ok(())
 }
 
-/// A number for people: to five decimals, or in powers of ten where these would show nothing of it, or too much.
+/// A number for tables: five decimals, or scientific notation where these would show too few or too many digits.
 fn shown(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
         format!("{value:.5}")
@@ -309,7 +309,7 @@ fn rising(given: &[f64]) -> Result<Vec<f64>> {
             "--t {t}: an instant must be a finite number from 0 on"
         );
     }
-    // The sum makes a 0 of a -0.
+    // Adding 0 turns -0 into 0.
     let mut times: Vec<f64> = given.iter().map(|t| t + 0.0).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -357,7 +357,7 @@ fn instants_csv<T: Real>(title: &str, instants: &[InstantRow<T>]) -> Result<Vec<
     Ok(table::csv(Some(title), heading, rows.iter().map(texts))?)
 }
 
-/// The model's mesh as the writers take it.
+/// The model's mesh for the writers.
 fn database_mesh(model: &Model<'_>) -> capsule_database::Mesh {
     let mesh = model.mesh();
     let reference = |node| mesh.reference(node).unwrap_or_default().map(f64::from);

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 thread_local!(static COUNTS: Cell<Counts> = const { Cell::new(Counts::NONE) });
 
-/// What was done with [`Counted`] numbers.
+/// Counts of the operations on [`Counted`] numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Numbers made from a single: those that a model file stores, and the code's constants.
@@ -38,7 +38,7 @@ impl Counts {
     }
 }
 
-/// What a piece of work does with [`Counted`] numbers on this thread, and what it returns.
+/// Runs `work` and returns its result with the operations on [`Counted`] numbers that it did on this thread.
 pub fn count<R>(work: impl FnOnce() -> R) -> (R, Counts) {
     let outer = COUNTS.replace(Counts::NONE);
     let result = work();

@@ -1,4 +1,4 @@
-//! What callers ask, one kind of question each, and what stands ready to answer it.
+//! Tasks: the kinds of query that callers make, and the evaluator that answers them.
 
 use std::hint::black_box;
 
@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::random::Random;
 
-/// What is looked at.
+/// The quantities that a task reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum What {
@@ -58,7 +58,7 @@ pub struct Task {
     pub new: bool,
     /// At which instants.
     pub when: When,
-    /// What is looked at.
+    /// The quantities that it reads.
     pub what: What,
 }
 
@@ -76,7 +76,7 @@ pub const QUERIES: [Task; 6] = [
     task("steady_state", true, When::End, What::Outline),
 ];
 
-/// What is asked of prepared parameters.
+/// A query at prepared parameters.
 pub const SCENES: [Task; 7] = [
     task("observables", false, When::Once, What::Observables),
     task("scene_outline", false, When::Once, What::Outline),
@@ -200,7 +200,7 @@ impl<T: Real> Asker<T> {
         }
     }
 
-    /// What comes before a task and does not belong to it.
+    /// Prepares for a task; this is not part of its cost.
     ///
     /// # Errors
     /// A question that the model refuses.

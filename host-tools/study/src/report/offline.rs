@@ -40,13 +40,13 @@ pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
         .filter(|a| curve.below([1.0, *a]).is_some())
         .filter_map(|a| Some((curve.at(a)?, a)))
         .collect();
-    let fresh = subject.fresh.entries()?;
-    let fresh = fresh
+    let entries = subject.tests.entries()?;
+    let tests = entries
         .iter()
         .map(|entry| (entry.parameters[0], entry.parameters[1]))
         .collect();
     let mut series: Vec<Series> = groups.into();
-    series.push(("fresh, not in the model".to_owned(), Mark::Dots, fresh));
+    series.push(("test set, not in the model".to_owned(), Mark::Dots, tests));
     series.push(("steady limit".to_owned(), Mark::Line, limit));
     series.push(("border of the jump".to_owned(), Mark::Line, border));
     series.retain(|(_, _, points)| !points.is_empty());

@@ -1,11 +1,11 @@
-//! `capsule-rom study sample`: which configurations to compute next.
+//! `capsule-rom study suggest`: which configurations to compute next.
 
 use crate::model::ModelFile;
 use crate::outputs::Outputs;
 use crate::{print, progress};
 use anyhow::Result;
 use capsule_database::{Database, table};
-use capsule_study::sample::{Replayed, Suggestion, replay, suggest};
+use capsule_study::suggest::{Replayed, Suggestion, replay, suggest};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -15,23 +15,24 @@ use std::path::PathBuf;
 pub struct Options {
     #[command(flatten)]
     model: ModelFile,
-    /// How many configurations
+    /// Number of configurations to suggest
     #[arg(long, default_value_t = 10)]
     count: usize,
-    /// Instants up to this one count, in l/V
+    /// Count the errors up to this instant, in l/V
     #[arg(long, default_value_t = 8.0, value_name = "T")]
     until: f64,
     /// Write the suggestions as CSV, for `fom sweep --points`
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     csv: Option<PathBuf>,
-    /// Choose a design of this size anew out of --database and compare it with the paper's grid on --tests
+    /// Instead, choose a design of this size from the samples of --database, and compare it with the paper's grid on
+    /// --tests
     #[arg(long, value_name = "SAMPLES")]
     replay: Option<usize>,
     /// Folder of the snapshot database
     #[arg(long, value_name = "DIR", default_value = "models/database")]
     database: PathBuf,
     /// Folder of the test set
-    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
+    #[arg(long, value_name = "DIR", default_value = "models/test-set")]
     tests: PathBuf,
     /// Print one JSON object
     #[arg(long)]
@@ -43,15 +44,16 @@ pub struct Options {
 
 const EXAMPLES: &str = "\
 Examples:
-  capsule-rom study sample --count 20 --csv points.csv
+  capsule-rom study suggest --count 20 --csv points.csv
   capsule-rom fom sweep --database models/database --mesh 13 --points points.csv
-  capsule-rom study sample --replay 60
+  capsule-rom study suggest --replay 60
 
-Suggests the configurations at which the model expects to err most, each with those before it added.";
+Suggests the configurations where the model expects its largest errors. Each suggestion counts the ones before it as \
+computed.";
 
-/// Every so many samples of the grid are in the design that a replay starts with.
+/// A replay starts with every `START`-th sample of the grid.
 const START: usize = 4;
-/// Samples that a replay adds before it measures the errors again.
+/// Number of samples that a replay adds between two measurements of the errors.
 const BATCH: usize = 3;
 
 #[derive(Serialize)]
@@ -74,7 +76,7 @@ pub fn run(options: &Options) -> Result<()> {
     let model = options.model.open(&bytes)?;
     let suggestions = suggest(&model, options.count, options.until)?;
     let names = model.parameters().iter().map(|p| p.name);
-    // As the columns of `fom sweep --points` are called.
+    // The column names that `fom sweep --points` reads.
     let names = names.map(|name| if name == "capillary_number" { "ca" } else { name });
     let headings: Vec<&str> = names.chain(["expected_percent"]).collect();
     let row = |s: &Suggestion| -> Vec<String> {
@@ -113,7 +115,7 @@ fn run_replay(options: &Options, most: usize) -> Result<()> {
     let rows: Vec<Vec<String>> = designs
         .iter()
         .map(|design| {
-            let errors = design.fresh.methods["direct"]
+            let errors = design.errors.methods["direct"]
                 .iter()
                 .filter(|e| e.t >= 1.0 && e.t <= options.until);
             let worst = |value: fn(&capsule_study::InstantErrors) -> f64| {

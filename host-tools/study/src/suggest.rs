@@ -7,7 +7,7 @@ use capsule_database::Database;
 use capsule_offline::{PlacedSamples, Progress, Settings, Subsets};
 use serde::Serialize;
 
-use crate::{Fresh, StudyError, fresh};
+use crate::{StudyError, TestSetErrors, test_set};
 
 /// Candidates along each parameter.
 const CANDIDATES: usize = 32;
@@ -186,7 +186,7 @@ impl<'m> Estimator<'m> {
     }
 }
 
-/// What a design of a size gives, and what as many samples of the grid give.
+/// Errors of a model that was built from a design of some size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replayed {
     /// How the samples were chosen: `grid` or `chosen`.
@@ -194,7 +194,7 @@ pub struct Replayed {
     /// How many samples there are.
     pub samples: usize,
     /// Errors of the direct method on the test set.
-    pub fresh: Fresh,
+    pub errors: TestSetErrors,
 }
 
 /// Chooses a design anew out of a database that is there: starts with every `start`-th sample, adds `batch` at a time
@@ -220,7 +220,7 @@ pub fn replay(
         Ok::<Replayed, StudyError>(Replayed {
             design,
             samples: chosen.len(),
-            fresh: fresh(&model, tests, None, &crate::FRESH_TIMES, &|_, _, _| {})?,
+            errors: test_set(&model, tests, None, &crate::TEST_TIMES, &|_, _, _| {})?,
         })
     };
     let grid: Vec<usize> = (0..samples.len()).filter(|j| on_grid(samples[*j])).collect();

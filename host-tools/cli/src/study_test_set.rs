@@ -1,4 +1,4 @@
-//! `capsule-rom study fresh`: the model against configurations that no sample shares.
+//! `capsule-rom study test-set`: the errors of the model at configurations that are not samples.
 
 use crate::model::ModelFile;
 use crate::outputs::Outputs;
@@ -15,14 +15,14 @@ pub struct Options {
     #[command(flatten)]
     model: ModelFile,
     /// Folder of the test set, a snapshot database
-    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
+    #[arg(long, value_name = "DIR", default_value = "models/test-set")]
     tests: PathBuf,
-    /// Also what the interpolation errs by alone, without the compression of the file: the folder of the snapshots that
-    /// the model was built from
+    /// Folder of the snapshots that the model was built from: adds the error of the interpolation alone, without the
+    /// compression of the model file
     #[arg(long, value_name = "DIR")]
     samples: Option<PathBuf>,
-    /// Instants, in l/V, of those at which the test set has snapshots
-    #[arg(long, value_delimiter = ',', default_values_t = capsule_study::FRESH_TIMES)]
+    /// Instants to compare at, in l/V; the test set must have snapshots there
+    #[arg(long, value_delimiter = ',', default_values_t = capsule_study::TEST_TIMES)]
     t: Vec<f64>,
     /// Print one JSON object
     #[arg(long)]
@@ -37,15 +37,15 @@ pub struct Options {
 
 const EXAMPLES: &str = "\
 Examples:
-  capsule-rom study fresh
-  capsule-rom study fresh --samples models/database
-  capsule-rom study fresh --t 4.2,6.2,9,13,17     # instants that the shipped model leaves out
-  capsule-rom study fresh --model mine.crom --tests runs/ --json
+  capsule-rom study test-set
+  capsule-rom study test-set --samples models/database
+  capsule-rom study test-set --t 4.2,6.2,9,13,17     # instants that the shipped model leaves out
+  capsule-rom study test-set --model mine.crom --tests runs/ --json
 
 Modified Hausdorff distance over all mesh nodes in per cent of a, in the laboratory frame (with the translation) and \
 for the shape alone (in the frame of the centroid), at the configurations of a test set that lie in the model's \
-domain. Beside them what the model itself states: the expected error, and the bound that 95 % of the errors should \
-stay below.";
+domain. The table also shows the model's own estimates: the expected error, and the bound that 95 % of the errors \
+should stay below.";
 
 pub fn run(options: &Options) -> Result<()> {
     let inputs = Outputs::default()
@@ -58,32 +58,32 @@ pub fn run(options: &Options) -> Result<()> {
     let tests = Database::open(&options.tests)?;
     let samples = options.samples.as_deref().map(Database::open).transpose()?;
     let bar = progress::tasks(options.quiet);
-    let fresh = capsule_study::fresh(&model, &tests, samples.as_ref(), &options.t, &|task, done, of| {
+    let errors = capsule_study::test_set(&model, &tests, samples.as_ref(), &options.t, &|task, done, of| {
         progress::show(&bar, task, done, of);
     })?;
     bar.finish_and_clear();
     if let Some(file) = &options.csv {
-        let text = fresh.csv()?;
+        let text = errors.csv()?;
         outputs.write(file, |file| std::fs::write(file, text))?;
     }
     outputs.finish()?;
     if options.json {
-        return print::json(&fresh);
+        return print::json(&errors);
     }
     println!(
         "{} configurations; errors against {}, per cent of a; default method: {}",
-        fresh.samples,
+        errors.samples,
         model.errors_against(),
-        fresh.default
+        errors.default
     );
-    let cells = |name: &str, errors: &InstantErrors, stated: Option<&InstantStated>| -> Vec<String> {
+    let cells = |name: &str, at: &InstantErrors, stated: Option<&InstantStated>| -> Vec<String> {
         let errors_alone = [
-            errors.lab_mean_percent,
-            errors.lab_max_percent,
-            errors.shape_mean_percent,
-            errors.shape_max_percent,
+            at.lab_mean_percent,
+            at.lab_max_percent,
+            at.shape_mean_percent,
+            at.shape_max_percent,
         ];
-        // Nothing is stated of the interpolation alone.
+        // The model gives no estimate for the interpolation alone.
         let stated = stated.map_or([None; 3], |stated| {
             [
                 stated.expected_mean_percent,
@@ -93,21 +93,21 @@ pub fn run(options: &Options) -> Result<()> {
             .map(Some)
         });
         let cell = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:.3}"));
-        let names = [name.to_owned(), errors.t.to_string()];
+        let names = [name.to_owned(), at.t.to_string()];
         let numbers = errors_alone.map(Some).into_iter().chain(stated);
         names.into_iter().chain(numbers.map(cell)).collect()
     };
-    let of_methods = fresh.methods.iter().flat_map(|(method, errors)| {
-        let stated = fresh.stated[method].instants.iter().map(Some);
-        errors
+    let of_methods = errors.methods.iter().flat_map(|(method, instants)| {
+        let stated = errors.stated[method].instants.iter().map(Some);
+        instants
             .iter()
             .zip(stated)
-            .map(move |(errors, stated)| (*method, errors, stated))
+            .map(move |(at, stated)| (*method, at, stated))
     });
-    let alone = fresh.interpolation.iter().map(|errors| ("interpolation", errors, None));
+    let alone = errors.interpolation.iter().map(|at| ("interpolation", at, None));
     let rows: Vec<Vec<String>> = of_methods
         .chain(alone)
-        .map(|(name, errors, stated)| cells(name, errors, stated))
+        .map(|(name, at, stated)| cells(name, at, stated))
         .collect();
     let headings = [
         "method",
@@ -121,7 +121,7 @@ pub fn run(options: &Options) -> Result<()> {
         "below bound",
     ];
     print::table(&headings, &rows)?;
-    for (method, stated) in &fresh.stated {
+    for (method, stated) in &errors.stated {
         println!(
             "{method}: {:.1} % below the bound; volume within {:.4} %; outermost node {:.4} l from the wall",
             stated.below_bound_percent, stated.volume_max_percent, -stated.beyond_walls

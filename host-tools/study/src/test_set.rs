@@ -11,7 +11,7 @@ use crate::leave_one_out::{InstantErrors, SampleErrors, instant_errors};
 use crate::{StudyError, name};
 
 /// The instants that are asked for unless others are, in l/V.
-pub const FRESH_TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
+pub const TEST_TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
 
 /// The columns of a table of all errors.
 pub(crate) const HEADING: [&str; 8] = [
@@ -27,7 +27,7 @@ pub(crate) const HEADING: [&str; 8] = [
 
 /// Errors of a model on configurations of a test set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Fresh {
+pub struct TestSetErrors {
     /// The method that the model takes unless told otherwise.
     pub default: &'static str,
     /// How many configurations of the test set lie in the model's domain.
@@ -36,8 +36,8 @@ pub struct Fresh {
     pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
     /// For each method, what the model states of its errors.
     pub stated: BTreeMap<&'static str, Stated>,
-    /// What the interpolation of direct evaluation errs by alone, without the compression of the file, at each instant;
-    /// if it was asked for.
+    /// Errors of the interpolation of direct evaluation alone, without the compression of the model file, at each
+    /// instant; empty unless asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub interpolation: Vec<InstantErrors>,
     /// For each method, each configuration.
@@ -58,7 +58,7 @@ pub struct Stated {
     pub beyond_walls: f64,
 }
 
-/// What is stated of the errors at an instant: laboratory frame, per cent of a.
+/// The model's own estimates of its errors at an instant: laboratory frame, per cent of a.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InstantStated {
     /// The instant, in l/V.
@@ -76,32 +76,32 @@ pub struct InstantStated {
 ///
 /// # Errors
 /// Those of the databases; [`StudyError::NothingToCompare`] if none lies in the domain.
-pub fn fresh(
+pub fn test_set(
     model: &Model,
     tests: &Database,
     samples: Option<&Database>,
     times: &[f64],
     progress: Progress,
-) -> Result<Fresh, StudyError> {
+) -> Result<TestSetErrors, StudyError> {
     let (times, compared) = capsule_offline::compare(model, tests, times, progress)?;
     if compared.is_empty() || times.is_empty() {
         return Err(StudyError::NothingToCompare);
     }
     let default = name(model.default_method());
-    let mut fresh = Fresh::new(&times, compared, default);
+    let mut errors = TestSetErrors::new(&times, compared, default);
     if let Some(samples) = samples {
         let interpolated = capsule_offline::interpolated(model, samples, tests, &times, progress)?;
-        let errors = interpolated
+        let samples = interpolated
             .iter()
             .map(|i| SampleErrors::new(&i.parameters, &i.laboratory, &i.shape));
-        fresh.interpolation = instant_errors(&times, &errors.collect::<Vec<_>>());
+        errors.interpolation = instant_errors(&times, &samples.collect::<Vec<_>>());
     }
-    Ok(fresh)
+    Ok(errors)
 }
 
-impl Fresh {
+impl TestSetErrors {
     fn new(times: &[f64], compared: Vec<Comparison>, default: &'static str) -> Self {
-        let mut fresh = Fresh {
+        let mut errors = TestSetErrors {
             default,
             samples: 0,
             methods: BTreeMap::new(),
@@ -113,12 +113,12 @@ impl Fresh {
             let of_method = compared.iter().filter(|c| c.method == method).cloned();
             let of_method: Vec<Comparison> = of_method.collect();
             let values: Vec<SampleErrors> = of_method.iter().map(SampleErrors::of).collect();
-            fresh.samples = values.len();
-            fresh.methods.insert(name(method), instant_errors(times, &values));
-            fresh.stated.insert(name(method), Stated::new(times, &of_method));
-            fresh.compared.insert(name(method), of_method);
+            errors.samples = values.len();
+            errors.methods.insert(name(method), instant_errors(times, &values));
+            errors.stated.insert(name(method), Stated::new(times, &of_method));
+            errors.compared.insert(name(method), of_method);
         }
-        fresh
+        errors
     }
 
     /// One line a method, configuration and instant, with a heading; errors in per cent of a.
@@ -193,8 +193,8 @@ mod tests {
             beyond_walls: -laboratory,
         };
         let compared = vec![compared(0.01, 0.02), compared(0.03, 0.02), compared(0.05, 0.02)];
-        let fresh = Fresh::new(&[1.0, 2.0], compared, "direct");
-        let stated = &fresh.stated["direct"];
+        let errors = TestSetErrors::new(&[1.0, 2.0], compared, "direct");
+        let stated = &errors.stated["direct"];
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
         close(stated.instants[0].below_bound_percent, 100.0 / 3.0);
         close(stated.instants[1].below_bound_percent, 200.0 / 3.0);
@@ -202,10 +202,10 @@ mod tests {
         close(stated.instants[0].expected_mean_percent, 1.0);
         close(stated.volume_max_percent, 5.0);
         close(stated.beyond_walls, -0.01);
-        close(fresh.methods["direct"][0].lab_mean_percent, 3.0);
-        close(fresh.methods["direct"][0].lab_max_percent, 5.0);
-        assert_eq!(fresh.samples, 0);
-        let csv = String::from_utf8(fresh.csv().unwrap()).unwrap();
+        close(errors.methods["direct"][0].lab_mean_percent, 3.0);
+        close(errors.methods["direct"][0].lab_max_percent, 5.0);
+        assert_eq!(errors.samples, 0);
+        let csv = String::from_utf8(errors.csv().unwrap()).unwrap();
         assert_eq!(csv.lines().count(), 7);
         assert!(csv.contains("\ndirect,0.1,0.9,1,"), "{csv}");
     }
