@@ -14,7 +14,7 @@ pub struct BendingEffect {
     distance: f32,
 }
 
-/// The nearest in ln Ca and a/l, where a factor of two in Ca counts as much as 0.1 in a/l; `None` if the model has none.
+/// The nearest in ln Ca and a/l, where a factor of two in Ca counts as 0.1 in a/l; `None` if the model has none.
 pub fn bending_effect(model: &Model<'_>, parameters: &[f64]) -> Option<BendingEffect> {
     let [capillary_number, confinement] = *parameters.first_chunk()?;
     let known = model.bending_effect();

@@ -1,5 +1,5 @@
-//! Ctrl-C, or the SIGTERM that a batch system sends before it ends a job, asks long work to end at its next safe point; a
-//! second signal ends the program.
+//! Ctrl-C, or the SIGTERM that a batch system sends before it ends a job, asks long work to end at its next safe point;
+//! a second signal ends the program.
 
 use anyhow::{Context, Result};
 use std::ops::ControlFlow;

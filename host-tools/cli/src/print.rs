@@ -19,7 +19,8 @@ pub fn table(heading: &[&str], rows: &[Vec<String>]) -> Result<()> {
     let mut table = Table::new();
     table.load_preset(NOTHING).set_header(heading).add_rows(rows);
     for column in table.column_iter_mut() {
-        column.set_cell_alignment(CellAlignment::Right).set_padding((0, 2));
+        column.set_cell_alignment(CellAlignment::Right);
+        column.set_padding((0, 2));
     }
     writeln!(std::io::stdout().lock(), "{}", table.trim_fmt())?;
     Ok(())
