@@ -236,7 +236,7 @@ impl<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize, const S: u
         let field = Snapshot {
             mesh: self.target.model.mesh(),
             modes: MatrixView::new(&self.target.cluster.field.modes),
-            coefficients: velocity.shape.factors(),
+            coefficients: velocity.shape.quantized(),
             scale: T::ZERO,
             translation,
         };
@@ -367,7 +367,7 @@ fn snapshot<'a, 's, T: Real, const K: usize>(
     Snapshot {
         mesh: target.model.mesh(),
         modes: MatrixView::new(&target.cluster.field.modes),
-        coefficients: displacement.shape.factors(),
+        coefficients: displacement.shape.quantized(),
         scale: target.model.scale(&target.query.parameters),
         translation,
     }

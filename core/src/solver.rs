@@ -4,7 +4,7 @@ use crate::error::EvaluateError;
 use crate::interpolate::{self, Coordinates, Weights};
 use crate::linalg::{slice_or_empty, slice_or_empty_mut};
 use crate::model::wire::{Cluster, Method};
-use crate::model::{MatrixView, Model, Vectors};
+use crate::model::{MatrixView, Model, QuantizedVectors};
 use crate::motion::{Contracted, Controls, Motion, Quantity, significant_rank};
 use crate::paper::dynamics::{Dynamics, Source, Step};
 use crate::paper::times::Times;
@@ -57,7 +57,7 @@ pub(crate) struct Coefficients<T: Real, const K: usize> {
     pub(crate) translation: T,
     /// Whether all nodes computed from the coefficients are finite.
     bounded: bool,
-    pub(crate) shape: Vectors<T, K>,
+    pub(crate) shape: QuantizedVectors<T, K>,
 }
 
 impl<T: Real, const K: usize> Coefficients<T, K> {
@@ -65,7 +65,7 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
         t: None,
         translation: T::ZERO,
         bounded: false,
-        shape: Vectors::ZERO,
+        shape: QuantizedVectors::ZERO,
     };
 
     /// Checks the leading coefficients before any node is written to a caller's buffer: no entry of a mode exceeds 1e6, so
@@ -238,7 +238,7 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> So
         let count = significant_rank(slice_or_empty(out, 0..modes.columns()), negligible);
         computed.t = Some(t);
         computed.check_bound(modes.columns());
-        computed.shape.ready(&modes, count);
+        computed.shape.quantize(&modes, count);
     }
 }
 

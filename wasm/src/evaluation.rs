@@ -71,7 +71,7 @@ impl Evaluation {
                 )));
             }
         };
-        let expected = self.shared.core().contents().metadata.parameters.len();
+        let expected = self.shared.core().parameters().len();
         let found = parameters.len();
         let parameters =
             Parameters::from_doubles(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;
@@ -81,7 +81,7 @@ impl Evaluation {
         };
         let model = self.shared.core();
         let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&query);
-        let domain = prepared.map_err(|error| JsError::new(&error.named(model).to_string()))?;
+        let domain = prepared.map_err(|error| JsError::new(&model.describe(error).to_string()))?;
         self.query = Some(query);
         Ok(domain.name().to_owned())
     }

@@ -2,8 +2,7 @@
 
 use crate::evaluation::Evaluation;
 use crate::surface::Surface;
-use capsule_core::model::MatrixView;
-use capsule_core::model::wire::Reference;
+use capsule_core::model::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
 use self_cell::self_cell;
 use std::rc::Rc;
@@ -71,19 +70,19 @@ impl Model {
     /// Title for people.
     #[wasm_bindgen(getter)]
     pub fn title(&self) -> String {
-        self.shared.core().contents().metadata.title.to_owned()
+        self.shared.core().title().to_owned()
     }
 
     /// Constitutive law of the membrane.
     #[wasm_bindgen(getter, js_name = membraneLaw)]
     pub fn membrane_law(&self) -> String {
-        self.shared.core().contents().metadata.membrane_law.to_owned()
+        self.shared.core().membrane_law().to_owned()
     }
 
     /// Bending stiffness B of the full-order model, in G_s a^2; undefined where it is not known.
     #[wasm_bindgen(getter, js_name = bendingStiffness)]
     pub fn bending_stiffness(&self) -> Option<f64> {
-        self.shared.core().contents().metadata.bending_stiffness
+        self.shared.core().bending_stiffness()
     }
 
     /// CRC-32 of the payload in hexadecimal: identifies the model.
@@ -95,13 +94,13 @@ impl Model {
     /// Digest of the snapshots that the model was made from.
     #[wasm_bindgen(getter, js_name = databaseDigest)]
     pub fn database_digest(&self) -> String {
-        self.shared.core().contents().metadata.database_digest.to_owned()
+        self.shared.core().database_digest().to_owned()
     }
 
     /// Creation time, seconds since 1970-01-01 UTC.
     #[wasm_bindgen(getter, js_name = createdUnixS)]
     pub fn created_unix_s(&self) -> f64 {
-        self.shared.core().contents().metadata.created_unix_s.into()
+        self.shared.core().created_unix_s().into()
     }
 
     /// Nodes of the full mesh.
@@ -119,7 +118,7 @@ impl Model {
     /// The method to take when the user has no wish: "direct" or "paper".
     #[wasm_bindgen(getter, js_name = defaultMethod)]
     pub fn default_method(&self) -> String {
-        match self.shared.core().contents().default_method {
+        match self.shared.core().default_method() {
             Method::Direct => "direct",
             Method::Paper => "paper",
         }
@@ -129,13 +128,13 @@ impl Model {
     /// Whether this is a capsule in the channel, over Ca and a/l.
     #[wasm_bindgen(getter, js_name = isChannel)]
     pub fn is_channel(&self) -> bool {
-        matches!(self.shared.core().contents().mesh.reference, Reference::Sphere)
+        matches!(self.shared.core().reference(), Reference::Sphere)
     }
 
     /// The length that the page draws as one: l in the channel, else the capsule's radius, in the unit of length.
     #[wasm_bindgen(getter, js_name = drawnLength)]
     pub fn drawn_length(&self) -> f64 {
-        match self.shared.core().contents().mesh.reference {
+        match self.shared.core().reference() {
             Reference::Sphere => 1.0,
             Reference::Shape { radius, .. } => radius,
         }
@@ -150,30 +149,30 @@ impl Model {
 
     /// The units of length, velocity and time.
     pub fn units(&self) -> Vec<String> {
-        let units = &self.shared.core().contents().metadata.units;
+        let units = &self.shared.core().units();
         [units.length, units.velocity, units.time].map(str::to_owned).to_vec()
     }
 
     /// The parameters' names, in the order of a query's.
     #[wasm_bindgen(js_name = parameterNames)]
     pub fn parameter_names(&self) -> Vec<String> {
-        let parameters = &self.shared.core().contents().metadata.parameters;
+        let parameters = self.shared.core().parameters();
         parameters.iter().map(|parameter| parameter.name.to_owned()).collect()
     }
 
     /// Ranges in which the model was sampled: least and greatest value of the first parameter, then of the second ...
     pub fn ranges(&self) -> Vec<f64> {
-        let parameters = &self.shared.core().contents().metadata.parameters;
+        let parameters = self.shared.core().parameters();
         parameters.iter().flat_map(|range| [range.min, range.max]).collect()
     }
 
     /// Sampled parameters, one set after another. A sample that clusters share is given once.
     pub fn samples(&self) -> Vec<f64> {
         let mut samples: Vec<Vec<f64>> = Vec::new();
-        let contents = self.shared.core().contents();
-        let ranges = &contents.metadata.parameters;
-        for cluster in &contents.clusters {
-            let rows = MatrixView::new(&cluster.samples.parameters);
+        let core = self.shared.core();
+        let ranges = core.parameters();
+        for cluster in core.clusters() {
+            let rows = cluster.parameters();
             for row in 0..rows.rows() {
                 let columns = (0..rows.columns()).zip(ranges);
                 let sample = columns
@@ -190,7 +189,7 @@ impl Model {
     /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by rising a/l.
     #[wasm_bindgen(js_name = steadyLimit)]
     pub fn steady_limit(&self) -> Vec<f64> {
-        let rows = MatrixView::new(&self.shared.core().contents().steady_limit).pairs();
+        let rows = self.shared.core().steady_limit_points().pairs();
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
@@ -198,9 +197,9 @@ impl Model {
     /// where there is one, to a thousandth.
     pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {
         let core = self.shared.core();
-        let ranges = &core.contents().metadata.parameters;
+        let ranges = core.parameters();
         let into_range = |(value, range): (&f64, _)| -> f64 {
-            let range: &capsule_core::model::wire::Parameter<'_> = range;
+            let range: &capsule_core::model::Parameter<'_> = range;
             value.max(range.min).min(range.max)
         };
         let mut nearest: Vec<f64> = parameters.iter().zip(ranges).map(into_range).collect();

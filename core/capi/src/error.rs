@@ -82,7 +82,7 @@ impl Error {
             EvaluateError::BeyondSteadyLimit { .. } => 0,
             _ => return failed,
         };
-        if let Some(parameter) = model.contents().metadata.parameters.get(index) {
+        if let Some(parameter) = model.parameters().get(index) {
             self.about(parameter.name);
         }
         failed

@@ -96,19 +96,19 @@ pub unsafe extern "C" fn capsule_v1_describe(
         let points = |outline| model.node_set(outline).map_or(0, |nodes| nodes.len());
         out.write(Description {
             digest: model.digest(),
-            parameter_count: model.contents().metadata.parameters.len(),
+            parameter_count: model.parameters().len(),
             nodes: mesh.nodes(),
             sector_nodes: mesh.sector_nodes().len(),
             midplane_points: points(rom::MIDPLANE),
             diagonal_points: points(rom::DIAGONAL),
             end_time: model.end_time(),
-            method: match model.contents().default_method {
+            method: match model.default_method() {
                 rom::Method::Direct => Method::Direct,
                 rom::Method::Paper => Method::Paper,
             },
-            law: model.contents().metadata.membrane_law.as_ptr().cast(),
-            law_length: model.contents().metadata.membrane_law.len(),
-            bending_stiffness: model.contents().metadata.bending_stiffness.map_or(-1.0, |b| b as f32),
+            law: model.membrane_law().as_ptr().cast(),
+            law_length: model.membrane_law().len(),
+            bending_stiffness: model.bending_stiffness().map_or(-1.0, |b| b as f32),
         });
         Ok(())
     };
@@ -131,7 +131,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     let mut work = move |(), failure: &mut Error| {
         // SAFETY: the caller keeps what the module says.
         let (model, out) = unsafe { (failure.of(model.content())?, out.memory()) };
-        let parameters = &model.contents().metadata.parameters;
+        let parameters = model.parameters();
         let found = parameters
             .get(index)
             .ok_or_else(|| failure.choice("parameter", index, parameters.len() - 1))?;
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             workspace.invalidate();
             Err(failed)
         };
-        let (expected, found) = (model.contents().metadata.parameters.len(), query.parameter_count);
+        let (expected, found) = (model.parameters().len(), query.parameter_count);
         // SAFETY: the caller keeps what the module says.
         let parameters = Some(found)
             .filter(|found| *found == expected)
@@ -219,7 +219,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             );
         };
         let method = match query.method {
-            0 => model.contents().default_method,
+            0 => model.default_method(),
             1 => rom::Method::Direct,
             2 => rom::Method::Paper,
             other => return refused(workspace, failure.choice("method", other as usize, 2)),
@@ -569,7 +569,7 @@ unsafe fn parameters_of(query: &Place<Query>, model: &Place<Model>) -> Buffer<f3
     }
     // SAFETY: the caller keeps what the module says.
     let (query, model) = unsafe { (query.start().read(), model.content()) };
-    let most = model.map_or(0, |model| model.contents().metadata.parameters.len());
+    let most = model.map_or(0, |model| model.parameters().len());
     Buffer::input(query.parameters, query.parameter_count.min(most))
 }
 

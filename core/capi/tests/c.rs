@@ -126,7 +126,7 @@ fn gcc_and_clang_and_what_the_core_answers() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let method: Method = model.contents().default_method;
+    let method: Method = model.default_method();
     evaluator.prepare(&Query::new([0.10, 0.90], method)).unwrap();
     let length = evaluator.at(3.0).unwrap().observables().unwrap().axial_length;
     let text = said("quick_start", "again");

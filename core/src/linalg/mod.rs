@@ -12,17 +12,19 @@ pub(crate) mod ldl;
 pub(crate) mod lq;
 mod products;
 mod qr;
+mod real;
 mod vectors;
 
-pub(crate) use products::{Block, IN_PAIRS, multiply, multiply_singles};
+pub use products::ProductScalar;
+pub(crate) use products::{Block, TWO_PANELS};
 pub(crate) use qr::{MAX_COLUMNS, Qr, symmetric_times};
+pub use real::Real;
 pub(crate) use vectors::in_vectors;
 
-use crate::Real;
 use core::ops::Range;
 
-/// Numbers that are added side by side.
-pub(crate) const LANES: usize = 8;
+/// Numbers that are added side by side: rows of a panel.
+pub const LANES: usize = 8;
 
 /// The entries in a range; none where the slice does not hold it. Validation sizes the slices, so the range is always
 /// there, but the compiler cannot know it: this way no panic is linked.

@@ -1,6 +1,6 @@
 //! The surface mesh and the symmetry of the square duct.
 
-use super::matrix::Indices;
+use super::indices::Indices;
 use super::wire;
 use crate::linalg::LANES;
 

@@ -10,7 +10,7 @@ use crate::Real;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, dot, slice_or_empty, slice_or_empty_mut};
 use crate::model::wire::{Field, Span};
-use crate::model::{Factors, Indices, MatrixView, Vectors};
+use crate::model::{Indices, MatrixView, QuantizedRef, QuantizedVectors};
 use crate::motion::spline::{ORDER, Splines};
 use crate::parts::Parts;
 use core::mem::offset_of;
@@ -24,9 +24,9 @@ pub(crate) struct Contracted<T: Real, const K: usize> {
     /// The span of time that psi belongs to.
     span: Option<usize>,
     /// psi = Psi^T L (eq. 24), of the shape.
-    psi: Vectors<T, K>,
+    psi: QuantizedVectors<T, K>,
     /// The same of the translation.
-    axial: Vectors<T, AXIAL_MODES>,
+    axial: QuantizedVectors<T, AXIAL_MODES>,
 }
 
 /// The last four control vectors: number b is stored in row b mod 4.
@@ -71,8 +71,8 @@ pub(crate) struct Motion<'a, 's, T: Real, const K: usize> {
 impl<T: Real, const K: usize> Contracted<T, K> {
     pub(crate) const EMPTY: Self = Self {
         span: None,
-        psi: Vectors::ZERO,
-        axial: Vectors::ZERO,
+        psi: QuantizedVectors::ZERO,
+        axial: QuantizedVectors::ZERO,
     };
 
     /// Writes the parts that are not zeros, see [`Workspace::put`](crate::Workspace::put), at an offset.
@@ -88,7 +88,7 @@ impl<T: Real, const K: usize> Contracted<T, K> {
         let (samples, weights) = weights.as_slices();
         modes.combine(samples, weights, values);
         let controls = MatrixView::new(&field.axial_controls);
-        self.axial.ready(&controls, controls.columns());
+        self.axial.quantize(&controls, controls.columns());
     }
 }
 
@@ -191,7 +191,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     fn axial_control(&self, b: usize) -> T {
-        self.axial_controls.dot(b, self.contracted.axial.factors())
+        self.axial_controls.dot(b, self.contracted.axial.quantized())
     }
 
     /// out <- slice b of the core tensor times psi of its span of time (eq. 23).
@@ -208,20 +208,20 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
             if *current != Some(number) {
                 let values = slice_or_empty_mut(psi.values.as_flattened_mut(), 0..modes.columns());
                 modes.combine(self.samples, self.weights, values);
-                psi.ready(&core, modes.columns());
+                psi.quantize(&core, modes.columns());
                 *current = Some(number);
             }
             let mut counts = slices.iter();
             let first = counts.by_ref().take(b).sum();
             let rows = LANES * counts.next().unwrap_or_default();
             let rows = rows.min(out.len());
-            return multiply(&core, first, psi.factors(), slice_or_empty_mut(out, 0..rows));
+            return multiply(&core, first, psi.quantized(), slice_or_empty_mut(out, 0..rows));
         }
     }
 }
 
 /// out <- the rows from panel `first` on times a vector.
-fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out: &mut [T]) {
+fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: QuantizedRef<'_, T>, out: &mut [T]) {
     let (panels, rest) = out.as_chunks_mut::<LANES>();
     rows.successive(first, x, panels.as_chunks_mut().0);
     if !rest.is_empty() {

@@ -6,9 +6,9 @@
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{IN_PAIRS, LANES, in_vectors, slice_or_empty, slice_or_empty_mut};
+use crate::linalg::{LANES, TWO_PANELS, in_vectors, slice_or_empty, slice_or_empty_mut};
 use crate::model::wire::Cluster;
-use crate::model::{MatrixView, Mesh, Model, Vectors, components};
+use crate::model::{MatrixView, Mesh, Model, QuantizedVectors, components};
 use crate::motion::spline::ORDER;
 use crate::motion::{Motion, Quantity};
 use crate::query::Prepared;
@@ -81,7 +81,7 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
                 let snapshot = Snapshot {
                     mesh: model.mesh(),
                     modes,
-                    coefficients: coefficients.factors(),
+                    coefficients: coefficients.quantized(),
                     scale: model.scale(&prepared.query.parameters),
                     translation: T::ZERO,
                 };
@@ -118,8 +118,8 @@ fn coefficients<T: Real, const K: usize>(
     motion: &mut Motion<'_, '_, T, K>,
     modes: &MatrixView<'_>,
     group: usize,
-) -> Vectors<T, K, ORDER> {
-    let mut coefficients = Vectors::ZERO;
+) -> QuantizedVectors<T, K, ORDER> {
+    let mut coefficients = QuantizedVectors::ZERO;
     let mut control = [T::ZERO; K];
     for i in 0..ORDER {
         motion.control(ORDER * group + i, &mut control);
@@ -130,7 +130,7 @@ fn coefficients<T: Real, const K: usize>(
     }
     let last = coefficients.values.iter().rposition(|all| *all != [T::ZERO; ORDER]);
     let count = last.map_or(0, |last| last + 1);
-    coefficients.ready(modes, count);
+    coefficients.quantize(modes, count);
     coefficients
 }
 
@@ -139,7 +139,7 @@ fn compute<T: Real>(snapshot: &Snapshot<'_, '_, T, ORDER>, surfaces: &mut [T], s
     let panels = snapshot.mesh.panels();
     let mut pairs = (0..3).flat_map(|axis| (0..panels).map(move |panel| (axis, panel)));
     while let Some(first) = pairs.next() {
-        match if IN_PAIRS { pairs.next() } else { None } {
+        match if TWO_PANELS { pairs.next() } else { None } {
             Some(second) => compute_panels(snapshot, [first, second], surfaces, surface),
             None => compute_panels(snapshot, [first], surfaces, surface),
         }

@@ -1,8 +1,8 @@
 //! Reconstruction of vectors at the nodes from coefficients of the modes, for the requested nodes only.
 
 use crate::error::{EvaluateError, finite};
-use crate::linalg::{IN_PAIRS, LANES};
-use crate::model::{DIAGONAL, Factors, MIDPLANE, MatrixView, Mesh, Model, apply};
+use crate::linalg::{LANES, TWO_PANELS};
+use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, QuantizedRef, apply};
 use crate::{Nodes, Real};
 
 /// A field at the nodes: positions `(a/l) X + Phi alpha` or velocities `Phi xi`, with an axial translation. `B` fields
@@ -12,7 +12,7 @@ pub(crate) struct Snapshot<'a, 's, T: Real, const B: usize = 1> {
     pub(crate) mesh: Mesh<'a>,
     pub(crate) modes: MatrixView<'a>,
     /// Coefficients of the leading modes.
-    pub(crate) coefficients: Factors<'s, T, B>,
+    pub(crate) coefficients: QuantizedRef<'s, T, B>,
     /// Factor of the reference nodes X: a/l for positions, 0 for velocities.
     pub(crate) scale: T,
     /// Axial translation of all nodes.
@@ -189,7 +189,7 @@ impl<T: Real> PanelCache<'_, '_, '_, T> {
         let panel = sector_node / LANES;
         let cached = self.cached.get(axis).map(|(cached, _)| *cached);
         if cached != Some(panel) {
-            if IN_PAIRS && axis < 2 {
+            if TWO_PANELS && axis < 2 {
                 self.compute(panel, [axis, axis + 1]);
             } else {
                 self.compute(panel, [axis]);

@@ -1,7 +1,6 @@
 //! The effect of the full-order model's bending stiffness, in words.
 
 use capsule_core::Model;
-use capsule_core::model::MatrixView;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
@@ -18,7 +17,7 @@ pub struct BendingEffect {
 /// Nearest in ln Ca and a/l, a factor of two in Ca counting as much as 0.1 in a/l; none where the model knows of none.
 pub fn bending_effect(model: &Model<'_>, parameters: &[f64]) -> Option<BendingEffect> {
     let [capillary_number, confinement] = *parameters.first_chunk()?;
-    let known = MatrixView::new(&model.contents().bending_effect);
+    let known = model.bending_effect();
     let effect = |row| BendingEffect {
         ca: known.get(row, 0),
         confinement: known.get(row, 1),

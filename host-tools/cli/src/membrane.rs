@@ -3,7 +3,7 @@
 use crate::fields::{self, Column, Field, Surface, Totals};
 use anyhow::Result;
 use capsule_core::mechanics::{self, Deformation, Stencil};
-use capsule_core::model::wire::Reference;
+use capsule_core::model::Reference;
 use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Real, Scene};
 
 /// The fields that are asked for, and what they need.
@@ -21,7 +21,7 @@ impl<'o, T: Real> Mechanics<'o, T> {
         if fields.is_empty() {
             return Ok(None);
         }
-        if !matches!(model.contents().mesh.reference, Reference::Sphere) {
+        if !matches!(model.reference(), Reference::Sphere) {
             return Err(EvaluateError::UnsupportedReference.into());
         }
         let mesh = model.mesh();

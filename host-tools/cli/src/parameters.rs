@@ -28,7 +28,7 @@ pub struct NamedParameters {
 impl QueryOptions {
     /// The parameters that the model asks for.
     pub fn of(&self, model: &Model<'_>) -> Result<NamedParameters> {
-        let ranges = &model.contents().metadata.parameters;
+        let ranges = model.parameters();
         let names: Vec<String> = ranges.iter().map(|range| range.name.to_owned()).collect();
         let mut given = Vec::new();
         for text in &self.parameters {

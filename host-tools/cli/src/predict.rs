@@ -8,7 +8,7 @@ use crate::outputs::Outputs;
 use crate::parameters::QueryOptions;
 use crate::{outlines, print};
 use anyhow::{Context, Result, anyhow, ensure};
-use capsule_core::model::wire::{Reference, Units};
+use capsule_core::model::{Reference, Units};
 use capsule_core::{Domain, EvaluateError, Evaluator, Method, Model, Parameters, Query, Real, Workspace};
 use capsule_database::fields::{write_csv, write_npz};
 use capsule_database::{table, vtu};
@@ -183,7 +183,7 @@ pub fn run(options: &Options) -> Result<()> {
     let times = rising(&options.t)?;
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
-    match model.contents().mesh.reference {
+    match model.reference() {
         Reference::Sphere => answer::<f32>(options, &model, &times, outputs),
         Reference::Shape { .. } => answer::<f64>(options, &model, &times, outputs),
     }
@@ -191,7 +191,7 @@ pub fn run(options: &Options) -> Result<()> {
 
 fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut outputs: Outputs) -> Result<()> {
     let times: Vec<T> = times.iter().map(|t| T::from_f64(*t)).collect();
-    let method = options.method.map_or(model.contents().default_method, Method::from);
+    let method = options.method.map_or(model.default_method(), Method::from);
     let parameters = options.query.of(model)?;
     let mut workspace = Box::new(Workspace::<T>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
@@ -201,7 +201,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         ..Query::new(given, method)
     };
     let prepared = evaluator.prepare(&query);
-    let domain = prepared.map_err(|error| anyhow!("{}", error.named(model)))?;
+    let domain = prepared.map_err(|error| anyhow!("{}", model.describe(error)))?;
 
     let mut mechanics = Mechanics::new(model, &options.fields, given.get(0))?;
     let instants = times
@@ -214,7 +214,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
             .find(|(known, _)| *known == name)
             .map(|(_, value)| value)
     };
-    let units = model.contents().metadata.units;
+    let units = model.units();
     let prediction = Prediction {
         ca: of_channel("capillary_number"),
         confinement: of_channel("confinement"),

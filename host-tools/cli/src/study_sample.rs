@@ -73,7 +73,7 @@ pub fn run(options: &Options) -> Result<()> {
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
     let suggestions = suggest(&model, options.count, options.until)?;
-    let names = model.contents().metadata.parameters.iter().map(|p| p.name);
+    let names = model.parameters().iter().map(|p| p.name);
     // As the columns of `fom sweep --points` are called.
     let names = names.map(|name| if name == "capillary_number" { "ca" } else { name });
     let headings: Vec<&str> = names.chain(["expected_percent"]).collect();

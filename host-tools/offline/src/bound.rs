@@ -12,9 +12,10 @@ use crate::OfflineError;
 use crate::assembled::Assembled;
 use crate::compare::{METHODS, distances, predictions};
 use crate::plan::{Plan, Reduced};
-use crate::samples::{SAME_ROW, Sample};
-use crate::writer::ClusterParts;
-use capsule_core::model::wire::Method;
+use crate::samples::Sample;
+use crate::tolerances::SAME_ROW;
+use crate::writer::OwnedCluster;
+use capsule_core::Method;
 use capsule_core::{Domain, Model, Parameters};
 
 /// The share of errors below the bound.
@@ -148,7 +149,7 @@ fn rows_left_out(
     plan: &Plan,
     cluster: &Reduced,
     place: usize,
-    parts: &ClusterParts,
+    parts: &OwnedCluster,
 ) -> Result<Vec<Ratios>, OfflineError> {
     let parameters = plan.ranges().len();
     let last = parameters - 1;

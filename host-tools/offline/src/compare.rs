@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use capsule_core::model::wire::Method;
+use capsule_core::Method;
 use capsule_core::{Domain, EvaluateError, Evaluator, Frame, Model, Nodes, Parameters, Query, Scene, Workspace};
 use capsule_database::{Database, Entry};
 use rayon::prelude::*;
@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::distance::Distance;
 use crate::hausdorff::Sector;
 use crate::samples::Truth;
+use crate::tolerances::SAME_TIME;
 use crate::{OfflineError, Progress};
 
 /// The methods, in the order of the file's error tables.
@@ -70,7 +71,7 @@ pub fn compare(
 pub(crate) fn stored(database: &Database, times: &[f64]) -> Vec<f64> {
     let known = |time: &f64| {
         let mut stored = database.times().iter();
-        stored.any(|t| (t - time).abs() < crate::plan::SAME_TIME)
+        stored.any(|t| (t - time).abs() < SAME_TIME)
     };
     times.iter().copied().filter(known).collect()
 }
@@ -212,7 +213,7 @@ pub(crate) fn distances(
 /// Parameters as the core takes them.
 pub(crate) fn given(parameters: &[f64], model: &Model) -> Result<Parameters<f64>, EvaluateError> {
     Parameters::new(parameters).ok_or(EvaluateError::ParameterCount {
-        expected: model.contents().metadata.parameters.len(),
+        expected: model.parameters().len(),
         found: parameters.len(),
     })
 }

@@ -2,14 +2,14 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use capsule_core::Method;
 use capsule_core::Model;
-use capsule_core::model::wire::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::compare::{METHODS, distances, predictions};
 use crate::plan::{Plan, Reduced};
-use crate::writer::ClusterParts;
+use crate::writer::OwnedCluster;
 use crate::{OfflineError, Progress, Settings, Source};
 
 /// The errors of one method at one sample, predicted without it.
@@ -59,7 +59,7 @@ pub fn leave_one_out<'a>(
 }
 
 /// A cluster, given by its number, without the sample at a place of it.
-type Without<'a> = &'a (dyn Fn(usize, usize) -> Result<ClusterParts, OfflineError> + Sync);
+type Without<'a> = &'a (dyn Fn(usize, usize) -> Result<OwnedCluster, OfflineError> + Sync);
 
 /// The errors at all samples, each predicted by its cluster `without` it.
 pub(crate) fn each_left_out(
@@ -92,7 +92,7 @@ pub(crate) fn left_out(
     index: usize,
     cluster: &Reduced,
     out: usize,
-    parts: &ClusterParts,
+    parts: &OwnedCluster,
     method: Method,
 ) -> Result<LeftOut, OfflineError> {
     let bytes = plan.write(&[parts])?;

@@ -3,7 +3,7 @@
 use capsule_database::Entry;
 use serde::Serialize;
 
-use crate::samples::SAME_ROW;
+use crate::tolerances::SAME_ROW;
 
 /// Distance in a/l of the points of the curve that a model carries.
 const SPACING: f64 = 0.01;

@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-use crate::pod::product;
+use crate::dense::product;
 use std::ops::Range;
 
 /// Order of the splines.

@@ -87,7 +87,7 @@ pub fn fresh(
     if compared.is_empty() || times.is_empty() {
         return Err(StudyError::NothingToCompare);
     }
-    let default = name(model.contents().default_method);
+    let default = name(model.default_method());
     let mut fresh = Fresh::new(&times, compared, default);
     if let Some(samples) = samples {
         let interpolated = capsule_offline::interpolated(model, samples, tests, &times, progress)?;

@@ -43,8 +43,8 @@ pub fn suggest(model: &Model, count: usize, until: f64) -> Result<Vec<Suggestion
 
 /// A lattice over the domain. The channel's Ca is spaced by its root, as the solution varies fast at small Ca.
 fn candidates(model: &Model) -> Vec<Parameters<f64>> {
-    let ranges = &model.contents().metadata.parameters;
-    let root = |index: usize| index == 0 && model.contents().steady_limit.rows > 0;
+    let ranges = model.parameters();
+    let root = |index: usize| index == 0 && model.steady_limit_points().rows() > 0;
     let value = |index: usize, place: usize| {
         let share = place as f64 / (CANDIDATES - 1) as f64;
         let (low, high) = (ranges[index].min, ranges[index].max);
@@ -104,7 +104,7 @@ impl Cluster {
 
 impl<'m> Estimator<'m> {
     fn new(model: &'m Model<'m>, until: f64) -> Self {
-        let instants = MatrixView::new(&model.contents().error_times);
+        let instants = model.error_times();
         let coordinates = Coordinates::new(model.contents());
         let clusters = model.contents().clusters.iter().map(|cluster| {
             let samples = MatrixView::new(&cluster.samples.parameters);

@@ -17,7 +17,7 @@ mod header;
 use arbitrary::{Arbitrary, Unstructured};
 use capsule_core::mechanics::Totals;
 use capsule_core::{
-    DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, model::wire::MAX_PARAMETERS,
+    DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, MAX_PARAMETERS,
 };
 use std::sync::LazyLock;
 
@@ -68,7 +68,7 @@ fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
     let Ok(mut evaluator) = Evaluator::new(model, workspace) else {
         return;
     };
-    let ranges = &model.contents().metadata.parameters;
+    let ranges = model.parameters();
     let parameters: Vec<f32> = question
         .parameters
         .iter()

@@ -29,7 +29,7 @@ th{white-space:nowrap}
 
 /// One page with everything in it.
 pub(super) fn page(model: &Model, sections: &[Section]) -> String {
-    let title = escape(model.contents().metadata.title);
+    let title = escape(model.title());
     let mut body = String::new();
     let _ = write!(
         body,
@@ -37,7 +37,7 @@ pub(super) fn page(model: &Model, sections: &[Section]) -> String {
          velocity V; times in l/V; a is the capsule's radius. The numbers behind each figure are in the CSV file that is named \
          with it.</p><nav aria-label=\"Contents\"><ul>",
         model.digest(),
-        model.contents().mesh.nodes
+        model.mesh().nodes()
     );
     for (index, section) in sections.iter().enumerate() {
         let _ = write!(body, "<li><a href=\"#s{index}\">{}</a></li>", escape(&section.title));

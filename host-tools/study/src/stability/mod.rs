@@ -130,7 +130,7 @@ impl Check {
 /// Least and greatest Ca, least and greatest a/l of a model.
 fn ranges(model: &Model) -> [[f64; 2]; 2] {
     let range = |index: usize| {
-        let parameters = &model.contents().metadata.parameters;
+        let parameters = model.parameters();
         parameters.get(index).map_or([0.0; 2], |range| [range.min, range.max])
     };
     [range(0), range(1)]

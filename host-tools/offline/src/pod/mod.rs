@@ -1,9 +1,14 @@
 //! The double POD of displacement and velocity together (paper, section 3.2, eqs. 15 to 22), with time in splines.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+mod quantisation;
+mod ranks;
+
+use capsule_core::model::panels::LANES;
+use faer::Mat;
 use std::ops::Range;
 
+use self::ranks::{rank, trailing};
+use crate::dense::{hstack, leading, orthogonal_complement, product};
 use crate::samples::State;
 use crate::settings::{MAX_MODES, Truncation};
 use crate::splines::{Span, TimeFit};
@@ -11,28 +16,21 @@ use crate::svd::left_singular;
 use crate::{OfflineError, Ranks};
 
 /// Root-mean-square error of the basis in which the snapshots of a cluster are kept while models are built and rebuilt,
-/// as a share of the tolerance, which is what the modes may leave in a span of time.
+/// as a share of the tolerance. The modes may leave the whole tolerance in a span of time.
 const WORKING_SHARE: f64 = 0.05;
-/// What the parameter modes may leave. Over all time the modes leave half the tolerance, for a span has those of the
-/// others too.
+/// Error that the parameter modes may leave. Over all time the modes leave half the tolerance, because a span has the
+/// modes of the other spans too.
 const PARAMETER_SHARE: f64 = 0.625;
-/// What the splines may add.
+/// Error that the splines in time may add.
 const TIME_SHARE: f64 = 1.0;
-/// What rows of the core that are left out may add at a control.
+/// Error that the omitted rows of the core may add at a control.
 const ROWS_SHARE: f64 = 1.0;
-/// What the digits of the modes and of the parameter modes may add, each.
-const DIGITS_SHARE: f64 = 0.2;
-/// What the digits of the core may add: every column of two digits costs a query as much as one more column.
-const CORE_DIGITS_SHARE: f64 = 0.3;
-/// What the translation's modes may leave.
+/// Error that the modes of the translation may leave.
 const AXIAL_SHARE: f64 = 0.025;
-/// The tolerance of all else where ranks are given instead, l.
+/// Tolerance (l) of everything else where ranks are given.
 const RANKS_TOLERANCE: f64 = 2e-4;
 
-/// Rows of a panel, see [`capsule_core::model::wire::Encoding`]: ranks and the rows of slices are multiples of it.
-pub(crate) const LANES: usize = 8;
-
-/// The most modes of the translation that the core holds.
+/// Capacity of the core: modes of the translation.
 const MAX_AXIAL: usize = 16;
 
 /// Modes that are those of the whole motion before a span of time adds its own: the paper's method works in the leading
@@ -56,7 +54,7 @@ pub(crate) struct Snapshots {
     truncation: Truncation,
 }
 
-/// A cluster's motion as the model keeps it, see [`capsule_core::model::wire::Field`].
+/// The motion of a cluster as the model stores it, see [`capsule_core::model::wire::Field`].
 pub(crate) struct DoublePod {
     /// Shape modes `[r, K - 1]` in the coordinates of the snapshots' basis.
     pub(crate) modes: Mat<f64>,
@@ -167,7 +165,7 @@ impl Snapshots {
         };
         let slices = self.fit.count();
         let (_, parameter_values) = left_singular(stacked(&(0..slices)).as_ref())?;
-        // What the rows that are left out may add to the sum of the squares over all samples.
+        // Sum of squares over all samples that omitted rows may add.
         let error = space_error.max(self.tolerance());
         let budget = (ROWS_SHARE * error).powi(2) * (self.nodes * count) as f64;
         let span = |span: &Span| {
@@ -228,7 +226,7 @@ impl Snapshots {
             let rank = modes.ncols() + rank(&values, tolerance, self.nodes * stacked.ncols());
             let rank = rank.next_multiple_of(LANES).min(MAX_MODES);
             let others = leading(&others, rank - modes.ncols());
-            modes = hstack(&[&modes, &beside(&modes, &others)]);
+            modes = hstack(&[&modes, &orthogonal_complement(&modes, &others)]);
         }
         Ok(modes)
     }
@@ -240,50 +238,6 @@ impl Snapshots {
 
     fn tolerance(&self) -> f64 {
         self.truncation.tolerance().unwrap_or(RANKS_TOLERANCE)
-    }
-
-    /// The mean square that digits may add: finer than the modes that are kept is of no use.
-    fn digits(&self, pod: &DoublePod, share: f64) -> f64 {
-        (share * pod.space_error.max(self.tolerance())).powi(2)
-    }
-
-    /// How many of the leading modes need two digits an entry; `greatest` is the greatest entry of a mode at the nodes.
-    pub(crate) fn coarse_modes(&self, pod: &DoublePod, greatest: impl Fn(usize) -> f64) -> usize {
-        let count = pod.modes.ncols();
-        let snapshots = (self.shape[0].ncols() * pod.samples()) as f64;
-        // Of each of the three components of a node, times the mode's mean square coefficient.
-        let rounding = |k: usize| 3.0 * rounding(greatest(k)) * pod.squares[k] / snapshots;
-        trailing(count, self.digits(pod, DIGITS_SHARE), rounding)
-            .next_multiple_of(LANES)
-            .min(count)
-    }
-
-    /// How many of a span's leading parameter modes do.
-    pub(crate) fn coarse_parameter_modes(&self, pod: &DoublePod, span: &SpanPod) -> usize {
-        let psi = &span.parameter_modes;
-        let greatest = |l: usize| (0..psi.nrows()).map(|j| psi[(j, l)].abs()).fold(0.0, f64::max);
-        // Times the mean square of what the mode is multiplied by at the nodes.
-        let controls = (self.nodes * span.slices.len()) as f64;
-        let rounding = |l: usize| rounding(greatest(l)) * span.values[l].powi(2) / controls;
-        trailing(psi.ncols(), self.digits(pod, DIGITS_SHARE), rounding)
-    }
-
-    /// How many of the leading columns of its core do.
-    pub(crate) fn coarse_columns(&self, pod: &DoublePod, span: &SpanPod) -> usize {
-        let (samples, columns) = span.parameter_modes.shape();
-        let greatest =
-            |slice: &Mat<f64>, k: usize, from: usize| (from..columns).map(|l| slice[(k, l)].abs()).fold(0.0, f64::max);
-        // Psi is orthonormal over the samples.
-        let error = |from: usize| -> f64 {
-            let rows = span
-                .slices
-                .iter()
-                .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)));
-            let sum: f64 = rows.map(|(slice, k)| rounding(greatest(slice, k, from))).sum();
-            columns as f64 * sum / (self.nodes * span.slices.len() * samples) as f64
-        };
-        let budget = self.digits(pod, CORE_DIGITS_SHARE);
-        (0..columns).find(|from| error(*from) <= budget).unwrap_or(columns)
     }
 
     /// Root-mean-square error of the displacement over the nodes, controls and samples that the parameter modes leave.
@@ -312,74 +266,15 @@ fn kept_rows(slice: &Mat<f64>, budget: f64) -> Mat<f64> {
     slice.subrows(0, kept).to_owned()
 }
 
-/// Mean square of the rounding of numbers to one byte, the greatest of which is the greatest integer: the variance of a
-/// uniform distribution over a unit.
-fn rounding(greatest: f64) -> f64 {
-    let unit = greatest / f64::from(i8::MAX);
-    unit * unit / 12.0
-}
-
-/// Where the trailing ones begin that add no more than a budget.
-fn trailing(end: usize, budget: f64, error: impl Fn(usize) -> f64) -> usize {
-    let mut sum = 0.0;
-    let within = (0..end).rev().take_while(|k| {
-        sum += error(*k);
-        sum <= budget
-    });
-    end - within.count()
-}
-
-/// The least rank beyond which the singular values add up to no more than the tolerance, root mean square over `count`.
-fn rank(values: &[f64], tolerance: f64, count: usize) -> usize {
-    let budget = tolerance * tolerance * count as f64;
-    let mut tail = 0.0;
-    let dropped = values.iter().rev().take_while(|s| {
-        tail += **s * **s;
-        tail <= budget
-    });
-    values.len() - dropped.count()
-}
-
-/// What unit vectors add to orthonormal ones. Directions in which next to nothing is left of the snapshots may be any,
-/// and those that lie in the span of the others fall out.
-fn beside(known: &Mat<f64>, vectors: &Mat<f64>) -> Mat<f64> {
-    let left = vectors - product(known, &product(&known.transpose().to_owned(), vectors));
-    let new: Vec<usize> = (0..left.ncols()).filter(|k| left.col(*k).norm_l2() > 0.5).collect();
-    let new = Mat::from_fn(left.nrows(), new.len(), |r, k| left[(r, new[k])]);
-    new.qr().compute_thin_Q()
-}
-
-/// The leading columns, as many as there are.
-fn leading(matrix: &Mat<f64>, columns: usize) -> Mat<f64> {
-    matrix.subcols(0, columns.min(matrix.ncols())).to_owned()
-}
-
-fn hstack(matrices: &[&Mat<f64>]) -> Mat<f64> {
-    let columns = matrices.iter().map(|m| m.ncols()).sum();
-    let mut stacked = Mat::zeros(matrices.first().map_or(0, |m| m.nrows()), columns);
-    let mut at = 0;
-    for matrix in matrices {
-        stacked.as_mut().subcols_mut(at, matrix.ncols()).copy_from(matrix);
-        at += matrix.ncols();
-    }
-    stacked
-}
-
-/// The product of two matrices on this thread alone, so that the result does not depend on the number of threads.
-pub(crate) fn product(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
-    let mut result = Mat::zeros(a.nrows(), b.ncols());
-    matmul(&mut result, Accum::Replace, a, b, 1.0, Par::Seq);
-    result
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::dense::product;
 
     const INSTANTS: usize = 24;
 
     /// Five samples of a motion and its rate, 12 rows, of a mesh of 4 nodes.
-    fn states() -> Vec<[State; 2]> {
+    pub(crate) fn states() -> Vec<[State; 2]> {
         // Value and rate of a decay and of swings.
         let time = |n: usize, t: f64| match n {
             0 => [1.0 - (-0.7 * t).exp(), 0.7 * (-0.7 * t).exp()],
@@ -404,7 +299,7 @@ mod tests {
         (0..INSTANTS).map(|i| 0.1 * i as f64).collect()
     }
 
-    fn snapshots(states: &[[State; 2]], truncation: Truncation) -> Snapshots {
+    pub(crate) fn snapshots(states: &[[State; 2]], truncation: Truncation) -> Snapshots {
         let states: Vec<[&State; 2]> = states.iter().map(|[u, v]| [u, v]).collect();
         Snapshots::new(&states, &times(), 4, truncation).unwrap()
     }
@@ -547,85 +442,6 @@ mod tests {
         // A panel less would leave too much out.
         assert!(square(end..20) <= 1e-6 && square(end - LANES..20) > 1e-6);
         assert_eq!(end % LANES, 0);
-    }
-
-    /// In the unit in which the greatest is the greatest integer of one digit.
-    fn rounded(values: &[f64]) -> Vec<f64> {
-        let unit = values.iter().fold(0.0, |a: f64, x| a.max(x.abs())) / 127.0;
-        values.iter().map(|x| unit * (x / unit).round()).collect()
-    }
-
-    #[test]
-    fn fewer_digits_add_no_more_than_their_share() {
-        let states = states();
-        let snapshots = snapshots(&states, Truncation::Tolerance(2e-4));
-        let pod = snapshots.reduce(&[0, 1, 2, 3, 4]).unwrap();
-        let [span] = &pod.spans[..] else {
-            panic!("few controls are one span")
-        };
-        let (samples, columns) = span.parameter_modes.shape();
-        let psi = |j: usize| (0..columns).map(move |l| (l, j));
-        let mean = |sum: f64| sum / (4 * span.slices.len() * samples) as f64;
-        let budget = snapshots.digits(&pod, CORE_DIGITS_SHARE);
-        let coarse = snapshots.coarse_columns(&pod, span);
-        assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
-        let error = |coarse: usize| {
-            let mut sum = 0.0;
-            for (slice, k) in span
-                .slices
-                .iter()
-                .flat_map(|slice| (0..slice.nrows()).map(move |k| (slice, k)))
-            {
-                let row: Vec<f64> = (0..columns).map(|l| slice[(k, l)]).collect();
-                // The columns of two digits are exact beside those of one.
-                let rest = rounded(&row[coarse..]);
-                let error = |(l, j): (usize, usize)| match l.checked_sub(coarse) {
-                    Some(m) => (rest[m] - row[l]) * span.parameter_modes[(j, l)],
-                    None => 0.0,
-                };
-                sum += (0..samples)
-                    .map(|j| psi(j).map(error).sum::<f64>().powi(2))
-                    .sum::<f64>();
-            }
-            mean(sum)
-        };
-        assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
-
-        let budget = snapshots.digits(&pod, DIGITS_SHARE);
-        let coarse = snapshots.coarse_parameter_modes(&pod, span);
-        assert!(0 < coarse && coarse < columns, "{coarse} of {columns}");
-        let error = |coarse: usize| {
-            let modes: Vec<Vec<f64>> = (0..columns)
-                .map(|l| {
-                    let mode: Vec<f64> = (0..samples).map(|j| span.parameter_modes[(j, l)]).collect();
-                    if l < coarse { mode } else { rounded(&mode) }
-                })
-                .collect();
-            let mut sum = 0.0;
-            for (slice, j) in span
-                .slices
-                .iter()
-                .flat_map(|slice| (0..samples).map(move |j| (slice, j)))
-            {
-                for k in 0..slice.nrows() {
-                    let error = psi(j).map(|(l, j)| slice[(k, l)] * (modes[l][j] - span.parameter_modes[(j, l)]));
-                    sum += error.sum::<f64>().powi(2);
-                }
-            }
-            mean(sum)
-        };
-        assert!(error(coarse) <= 1.5 * budget && error(coarse - 1) > 0.5 * budget);
-    }
-
-    #[test]
-    fn a_tolerance_gives_the_least_rank_that_keeps_it() {
-        let values = [10.0, 3.0, 2.0, 1.0];
-        let tail = |k: usize| (values[k..].iter().map(|s| s * s).sum::<f64>() / 7.0).sqrt();
-        for k in 0..4 {
-            assert_eq!(rank(&values, 1.0001 * tail(k), 7), k);
-            assert_eq!(rank(&values, 0.9999 * tail(k), 7), k + 1);
-        }
-        assert_eq!(rank(&values, 0.0, 7), 4);
     }
 
     #[test]
