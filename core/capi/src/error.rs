@@ -15,7 +15,7 @@ pub struct Error {
     pub what: *const c_char,
     /// Length of `what`.
     pub what_length: usize,
-    /// What was found.
+    /// The figure that was found.
     pub found: f64,
     /// The least that would be right.
     pub least: f64,
@@ -23,20 +23,19 @@ pub struct Error {
     pub greatest: f64,
 }
 
-/// That a call failed; why is written in its [`Error`].
+/// Marks that a call failed; its [`Error`] holds the cause.
 pub(crate) struct Failed;
 
-/// Why a call failed.
-pub(crate) trait Reason {
-    /// Writes it into an error that says nothing yet.
-    fn tell(self, failure: &mut Error) -> Failed;
+/// The cause of a failure.
+pub(crate) trait Cause {
+    /// Writes the cause into an error that holds zeros.
+    fn write_to(self, failure: &mut Error) -> Failed;
 }
 
 impl Error {
-    /// The outcome of a part of a call; why it failed is written here. So a call hands on that it failed, and not each
-    /// time the forty bytes of why.
-    pub(crate) fn of<A, R: Reason>(&mut self, outcome: Result<A, R>) -> Result<A, Failed> {
-        outcome.map_err(|reason| reason.tell(self))
+    /// Records the cause of a failed outcome here, so that calls return one bit and not the forty bytes of a cause.
+    pub(crate) fn record<A, C: Cause>(&mut self, outcome: Result<A, C>) -> Result<A, Failed> {
+        outcome.map_err(|cause| cause.write_to(self))
     }
 
     /// A failure with counts: what was found, the least and the greatest that would be right. They are exact below
@@ -75,7 +74,7 @@ impl Error {
 
     /// Why a query was refused; a parameter bears the name that the model gives it.
     pub(crate) fn query(&mut self, error: EvaluateError, model: &Model<'static>) -> Failed {
-        let failed = error.tell(self);
+        let failed = error.write_to(self);
         let index = match error {
             EvaluateError::Parameter { index, .. } | EvaluateError::OutsideDomain { index, .. } => index,
             // The limit is one of Ca, the first.
@@ -95,25 +94,25 @@ impl Error {
     }
 }
 
-impl Reason for Status {
-    fn tell(self, failure: &mut Error) -> Failed {
+impl Cause for Status {
+    fn write_to(self, failure: &mut Error) -> Failed {
         failure.status = self;
         Failed
     }
 }
 
-impl Reason for OpenError {
-    fn tell(self, failure: &mut Error) -> Failed {
+impl Cause for OpenError {
+    fn write_to(self, failure: &mut Error) -> Failed {
         match self {
             Self::Truncated { expected, found } => failure.counts(Status::Truncated, "", found, expected, 0),
-            Self::Magic { .. } => Status::Magic.tell(failure),
+            Self::Magic { .. } => Status::Magic.write_to(failure),
             Self::Version { found, supported } => {
                 failure.counts(Status::Version, "", found as usize, 0, supported as usize)
             }
             Self::Checksum { expected, found } => {
                 failure.counts(Status::Checksum, "", found as usize, expected as usize, 0)
             }
-            Self::Undecodable => Status::Undecodable.tell(failure),
+            Self::Undecodable => Status::Undecodable.write_to(failure),
             Self::TrailingBytes { found } => failure.counts(Status::TrailingBytes, "", found, 0, 0),
             Self::Rows { what, expected, found }
             | Self::Columns { what, expected, found }
@@ -125,14 +124,14 @@ impl Reason for OpenError {
             Self::NoImage { node } => failure.counts(Status::Inconsistent, "images", node, 0, 0),
             Self::ShortOutline { name } => failure.counts(Status::Inconsistent, name, 0, 0, 0),
             Self::DuplicateSample { second, .. } => failure.counts(Status::Inconsistent, "samples", second, 0, 0),
-            _ => Status::Other.tell(failure),
+            _ => Status::Other.write_to(failure),
         }
     }
 }
 
-impl Reason for EvaluateError {
+impl Cause for EvaluateError {
     #[inline(never)]
-    fn tell(self, failure: &mut Error) -> Failed {
+    fn write_to(self, failure: &mut Error) -> Failed {
         match self {
             Self::Capacity {
                 limit,
@@ -163,20 +162,20 @@ impl Reason for EvaluateError {
                 ..
             } => failure.numbers(Status::BeyondSteadyLimit, "", capillary_number, 0.0, limit),
             Self::Weights { sum } => failure.numbers(Status::Weights, "", sum, 0.0, 0.0),
-            Self::NotPrepared => Status::NotPrepared.tell(failure),
+            Self::NotPrepared => Status::NotPrepared.write_to(failure),
             Self::UnknownNode { node, nodes } => failure.counts(Status::UnknownNode, "", node, 0, nodes),
             Self::BufferTooShort { required, found } => failure.counts(Status::Short, "", found, required, 0),
-            Self::NotFinite => Status::NotFinite.tell(failure),
-            Self::UnsupportedReference => Status::UnsupportedReference.tell(failure),
-            Self::UnknownNodeSet => Status::NoOutline.tell(failure),
-            Self::NoBound => Status::NoBound.tell(failure),
+            Self::NotFinite => Status::NotFinite.write_to(failure),
+            Self::UnsupportedReference => Status::UnsupportedReference.write_to(failure),
+            Self::UnknownNodeSet => Status::NoOutline.write_to(failure),
+            Self::NoBound => Status::NoBound.write_to(failure),
             Self::WrongVolume { volume, min, max } => {
                 failure.numbers(Status::ImpossibleShape, "volume", volume, min, max)
             }
             Self::BeyondWall { reach } => {
                 failure.numbers(Status::ImpossibleShape, "distance from the axis", reach, 0.0, 1.0)
             }
-            _ => Status::Other.tell(failure),
+            _ => Status::Other.write_to(failure),
         }
     }
 }

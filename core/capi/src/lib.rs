@@ -9,6 +9,7 @@
 //! other unsafe code of the online stage is the instructions of capsule-dsp.
 #![no_std]
 
+mod dispatch;
 mod error;
 pub mod functions;
 mod memory;

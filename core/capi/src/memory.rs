@@ -5,7 +5,7 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 use core::slice;
 
-/// A value at a pointer. What it points to may be used after [`check`] has passed its bytes.
+/// A value at a pointer, to be used after [`check`] has passed its bytes.
 pub(crate) struct Place<T>(*mut T);
 
 /// `count` values at a pointer, the first of them in its place.
@@ -56,27 +56,27 @@ impl Bytes {
         if self.start == 0 { Self::NONE } else { self }
     }
 
-    fn judge(&self) -> Result<(), Status> {
+    fn validate(&self) -> Result<(), Status> {
         if self.start == 0 {
             return Err(Status::Null);
         }
         if !self.start.is_multiple_of(self.alignment.into()) {
             return Err(Status::Misaligned);
         }
-        self.whole_end().map(|_| ()).ok_or(Status::Overlap)
+        self.checked_end().map(|_| ()).ok_or(Status::Overlap)
     }
 
-    /// The end of all values; none beyond the end of memory. A slice of Rust may not be longer than an isize can say.
-    fn whole_end(&self) -> Option<usize> {
+    /// The end of all values; none beyond the end of memory. A slice of Rust holds at most isize::MAX bytes.
+    fn checked_end(&self) -> Option<usize> {
         let length = self.count.checked_mul(self.size.into())?;
         isize::try_from(length).ok()?;
         self.start.checked_add(length)
     }
 
-    /// The end of all values. A count that no memory has says nothing of where they end: then that of the first.
+    /// The end of all values; of the first one where the count exceeds the memory.
     fn end(&self) -> usize {
         let first = self.start.saturating_add(self.size.into());
-        self.whole_end().unwrap_or(first)
+        self.checked_end().unwrap_or(first)
     }
 
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
@@ -84,10 +84,9 @@ impl Bytes {
     }
 }
 
-/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, be these sound or
-/// not.
+/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, valid or not.
 pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status> {
-    error.judge()?;
+    error.validate()?;
     if buffers.iter().any(|bytes| bytes.overlaps(&error)) {
         return Err(Status::Overlap);
     }
@@ -97,7 +96,7 @@ pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status>
 /// Refuses buffers that are null or misaligned, reach beyond the end of memory, or share memory, and those that the
 /// call would write over the bytes of a model's file.
 pub(crate) fn check(buffers: &[Bytes], file: Bytes) -> Result<(), Status> {
-    buffers.iter().try_for_each(Bytes::judge)?;
+    buffers.iter().try_for_each(Bytes::validate)?;
     for (i, a) in buffers.iter().enumerate() {
         if a.written && a.overlaps(&file) || buffers.iter().take(i).any(|b| a.overlaps(b)) {
             return Err(Status::Overlap);
@@ -117,12 +116,12 @@ impl<T> Place<T> {
         Self(pointer)
     }
 
-    /// Where it lies, to read.
+    /// Its bytes, to read.
     pub(crate) fn read(&self) -> Bytes {
         self.bytes(1, false)
     }
 
-    /// Where it lies, to write.
+    /// Its bytes, to write.
     pub(crate) fn written(&self) -> Bytes {
         self.bytes(1, true)
     }
@@ -147,14 +146,14 @@ impl<T> Place<T> {
     }
 
     /// Whether it may be read.
-    pub(crate) fn is_sound(&self) -> bool {
-        self.read().judge().is_ok()
+    pub(crate) fn is_valid(&self) -> bool {
+        self.read().validate().is_ok()
     }
 
     /// Where it starts.
     ///
     /// # Safety
-    /// [`check`] has passed it, or it [is sound](Self::is_sound).
+    /// [`check`] has passed it, or it [is valid](Self::is_valid).
     pub(crate) unsafe fn start(&self) -> NonNull<T> {
         // SAFETY: not null.
         unsafe { NonNull::new_unchecked(self.0) }
@@ -198,12 +197,12 @@ impl<T> Buffer<T> {
         Self { first, count }
     }
 
-    /// Where they lie, to read.
+    /// Their bytes, to read.
     pub(crate) fn read(&self) -> Bytes {
         self.first.bytes(self.count, false)
     }
 
-    /// Where they lie, to write.
+    /// Their bytes, to write.
     pub(crate) fn written(&self) -> Bytes {
         self.first.bytes(self.count, true)
     }

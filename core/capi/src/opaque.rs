@@ -1,4 +1,4 @@
-//! The two objects that a caller allocates without knowing what is in them.
+//! The two opaque objects, which the caller allocates.
 
 use crate::Status;
 use crate::memory::{Buffer, Bytes, Place};
@@ -34,7 +34,7 @@ pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
 /// Alignment of a model.
 pub const MODEL_ALIGNMENT: usize = 8;
 
-/// A model: what was found in a file when it was opened. The file's bytes stay where they are.
+/// An opened model. The file's bytes stay where they are.
 #[repr(C)]
 pub struct Model {
     /// For the library.
@@ -57,7 +57,7 @@ pub(crate) type CoreWorkspace = rom::Workspace<f32, MAX_MODES, MAX_LOCAL_MODES, 
 pub(crate) trait Opaque: Sized {
     type Content;
     const TAG: u32;
-    /// What is said of an object that was not set up.
+    /// Status of a call with an object that was not set up.
     const MISSING: Status;
 }
 
@@ -79,7 +79,7 @@ impl Opaque for Workspace {
     const MISSING: Status = Status::NoWorkspace;
 }
 
-/// Memory of a workspace, to set it up in.
+/// Memory in which a workspace is set up.
 struct Room<'a>(&'a mut MaybeUninit<CoreWorkspace>);
 
 impl rom::Parts for Room<'_> {
@@ -111,7 +111,7 @@ impl Place<Model> {
     /// # Safety
     /// As [`content`](Self::content).
     pub(crate) unsafe fn file(&self) -> Bytes {
-        // SAFETY: the caller keeps what is asked for.
+        // SAFETY: the caller keeps this function's contract.
         let content = unsafe { self.content() };
         content.map_or(Bytes::NONE, |model| {
             let file = model.file();
@@ -165,7 +165,7 @@ impl<O: Opaque> Place<O> {
     ///
     /// # Safety
     /// As [`room`](Self::room).
-    unsafe fn judge(&self) -> Result<(), Status> {
+    unsafe fn validate(&self) -> Result<(), Status> {
         // SAFETY: the tag is the first word of the object; a caller who leaves it uninitialised gets some number.
         let tag = unsafe { self.start().cast::<u32>().read() };
         if tag == O::TAG { Ok(()) } else { Err(O::MISSING) }
@@ -179,7 +179,7 @@ impl<O: Opaque> Place<O> {
     pub(crate) unsafe fn content<'a>(&self) -> Result<&'a O::Content, Status> {
         // SAFETY: the tag says that the content was written.
         unsafe {
-            self.judge()?;
+            self.validate()?;
             Ok(&self.tagged().as_ref().content)
         }
     }
@@ -191,7 +191,7 @@ impl<O: Opaque> Place<O> {
     pub(crate) unsafe fn content_mut<'a>(&self) -> Result<&'a mut O::Content, Status> {
         // SAFETY: the tag says that the content was written.
         unsafe {
-            self.judge()?;
+            self.validate()?;
             Ok(&mut self.tagged().as_mut().content)
         }
     }
@@ -204,17 +204,17 @@ mod tests {
     use std::boxed::Box;
     use std::format;
 
-    /// All bits set are good for numbers and for nothing else: Miri finds the part that was not written.
+    /// All bits set are valid for floating-point numbers only: Miri finds a field that was not written.
     #[test]
-    fn all_that_is_no_number_is_written() {
+    fn every_field_that_is_not_a_number_is_written() {
         let mut memory = Box::<CoreWorkspace>::new_uninit();
         // SAFETY: of the memory's size.
         unsafe { memory.as_mut_ptr().write_bytes(0xff, 1) };
         CoreWorkspace::put(&mut Room(&mut memory));
-        // SAFETY: its numbers have some bits, and the rest was written.
+        // SAFETY: its floating-point numbers accept any bits, and all other fields were written.
         let workspace = unsafe { memory.assume_init() };
         let (found, empty) = (format!("{workspace:?}"), format!("{:?}", CoreWorkspace::new()));
-        // But for the numbers they say the same.
+        // Equal apart from the numbers.
         let words = |text: &str| text.replace("NaN", "").replace(|c: char| !c.is_ascii_alphabetic(), "");
         assert_eq!(words(&found), words(&empty));
     }

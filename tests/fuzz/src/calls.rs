@@ -52,7 +52,7 @@ impl Memory {
         }
     }
 
-    /// What was written, if it was written to memory of its own that starts with it.
+    /// The written values, if they start memory of their own.
     fn numbers<'a>(&'a self, count: usize) -> impl Iterator<Item = f32> + 'a {
         let halves = self.words.iter().flat_map(|word| [*word as u32, (*word >> 32) as u32]);
         let own = matches!(self.place, Place::Right);

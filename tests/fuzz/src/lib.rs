@@ -55,7 +55,7 @@ struct Question {
     node: u16,
 }
 
-/// What bytes stand for; bytes that are too few stand for nothing.
+/// The value that the bytes encode; none if there are too few.
 fn input<'a, I: Arbitrary<'a>>(bytes: &'a [u8]) -> Option<I> {
     I::arbitrary_take_rest(Unstructured::new(bytes)).ok()
 }
