@@ -38,7 +38,7 @@ impl Queries {
             }
         };
         let parameters = parameters.as_array();
-        let (expected, found) = (shared.core().contents().metadata.parameters.len(), parameters.ncols());
+        let (expected, found) = (shared.core().parameters().len(), parameters.ncols());
         let refusal = || QueryError::new_err(EvaluateError::ParameterCount { expected, found }.to_string());
         let query = |row: numpy::ndarray::ArrayView1<'_, f64>| {
             let parameters = Parameters::from_doubles(&row.to_vec()).ok_or_else(refusal)?;
@@ -125,7 +125,7 @@ impl Queries {
 
     /// The error of a query; its place is named where there are several.
     fn refusal(&self, index: usize, error: &EvaluateError) -> PyErr {
-        let text = self.shared.core().describe(error).to_string();
+        let text = self.shared.core().describe(*error).to_string();
         if self.queries.len() == 1 {
             QueryError::new_err(text)
         } else {

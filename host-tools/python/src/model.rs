@@ -2,7 +2,6 @@
 
 use crate::ModelFileError;
 use capsule_core::mechanics::Stencil;
-use capsule_core::model::MatrixView;
 use capsule_core::{EvaluateError, Method};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -71,17 +70,17 @@ impl Model {
 
     #[getter]
     fn title(&self) -> &str {
-        self.shared.core().contents().metadata.title
+        self.shared.core().title()
     }
 
     #[getter]
     fn membrane_law(&self) -> &str {
-        self.shared.core().contents().metadata.membrane_law
+        self.shared.core().membrane_law()
     }
 
     #[getter]
     fn bending_stiffness(&self) -> Option<f64> {
-        self.shared.core().contents().metadata.bending_stiffness
+        self.shared.core().bending_stiffness()
     }
 
     #[getter]
@@ -101,7 +100,7 @@ impl Model {
 
     #[getter]
     fn method(&self) -> &'static str {
-        match self.shared.core().contents().default_method {
+        match self.shared.core().default_method() {
             Method::Direct => "direct",
             Method::Paper => "paper",
         }
@@ -115,14 +114,14 @@ impl Model {
     /// Names of the units of length, velocity and time.
     #[getter]
     fn units(&self) -> (&str, &str, &str) {
-        let units = &self.shared.core().contents().metadata.units;
+        let units = self.shared.core().units();
         (units.length, units.velocity, units.time)
     }
 
     /// Name, least and greatest sampled value of each parameter.
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64, f64)> {
-        let parameters = &self.shared.core().contents().metadata.parameters;
+        let parameters = self.shared.core().parameters();
         parameters
             .iter()
             .map(|range| (range.name, range.min, range.max))
@@ -145,11 +144,11 @@ impl Model {
 
     /// Sampled parameters, a row each; a sample that clusters share is given once.
     fn samples<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let contents = self.shared.core().contents();
-        let ranges = &contents.metadata.parameters;
+        let model = self.shared.core();
+        let ranges = model.parameters();
         let mut samples: Vec<Vec<f64>> = Vec::new();
-        for cluster in &contents.clusters {
-            let rows = MatrixView::new(&cluster.samples.parameters);
+        for cluster in model.clusters() {
+            let rows = cluster.parameters();
             for row in 0..rows.rows() {
                 let columns = (0..rows.columns()).zip(ranges);
                 let sample = columns
