@@ -4,7 +4,7 @@
 use super::ProductScalar;
 use core::fmt::{Debug, Display};
 use core::iter::Sum;
-use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A floating-point scalar: `f32` or `f64`. The supertrait is private to the workspace: no other crate implements it.
 pub trait Real:
@@ -21,6 +21,7 @@ pub trait Real:
     + AddAssign
     + SubAssign
     + MulAssign
+    + DivAssign
     + Sum
     + ProductScalar
     + 'static
