@@ -60,7 +60,9 @@ impl<T: Real> Deformation<T> {
         let (c, s) = if root > T::ZERO { (c, s) } else { (T::ONE, T::ZERO) };
         let [first, second] = self.first.map(Vector3::from);
         let unit = |vector: Vector3<T>| (vector / dot(vector.as_slice(), vector.as_slice()).sqrt()).into();
-        [unit(first * c + second * s), unit(second * c - first * s)]
+        // Sums start at 0, so that no component is -0.
+        let zero = Vector3::from([T::ZERO; 3]);
+        [unit(zero + first * c + second * s), unit(zero + second * c - first * s)]
     }
 
     /// Principal tensions T_1 >= T_2 in G_s: T_1 = (lambda_1^2 - (lambda_1 lambda_2)^-2) / (lambda_1 lambda_2).
@@ -103,7 +105,8 @@ impl<T: Real> Deformation<T> {
         let [ds11, _, ds12] = stress_rate(metric, square, along_1);
         let [_, ds22, ds21] = stress_rate(metric, square, along_2);
         // -div (S^ab x_,b) = -(S^ab_,a x_,b + S^ab x_,ab) per stress-free area.
-        let sum = x1 * (ds11 + ds21) + x2 * (ds12 + ds22) + x11 * s11 + x22 * s22 + x12 * (two * s12);
+        let zero = Vector3::from([T::ZERO; 3]);
+        let sum = zero + x1 * (ds11 + ds21) + x2 * (ds12 + ds22) + x11 * s11 + x22 * s22 + x12 * (two * s12);
         let scale = -T::ONE / (square.sqrt() * capillary_number);
         finite((sum * scale).into())
     }
