@@ -1,10 +1,10 @@
-//! Errors, with what was found and what would be right.
+//! Errors of a query, with the value found and the range allowed.
 
 use crate::Real;
 use core::error::Error;
 use core::fmt::{self, Display, Formatter, Result};
 
-/// Why a question was not answered.
+/// Reason that a query was not answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum EvaluateError {
@@ -17,7 +17,7 @@ pub enum EvaluateError {
         /// The workspace's figure.
         capacity: usize,
     },
-    /// A step or instant that is not a number in its range.
+    /// A step or instant out of range.
     Value {
         /// Its name.
         what: &'static str,
@@ -28,16 +28,16 @@ pub enum EvaluateError {
         /// Greatest value allowed.
         max: f32,
     },
-    /// A query has not as many parameters as the model.
+    /// The query's number of parameters is not the model's.
     ParameterCount {
-        /// The model's.
+        /// Number of the model.
         expected: usize,
-        /// The query's.
+        /// Number of the query.
         found: usize,
     },
-    /// A parameter that is not a number in the range that it can have at all.
+    /// A parameter is not finite, or physically impossible.
     Parameter {
-        /// Its place among the model's parameters, from 0.
+        /// Its index among the model's parameters, from 0.
         index: usize,
         /// Its value.
         value: f32,
@@ -48,7 +48,7 @@ pub enum EvaluateError {
     },
     /// A parameter lies outside its sampled range.
     OutsideDomain {
-        /// Its place among the model's parameters, from 0.
+        /// Its index among the model's parameters, from 0.
         index: usize,
         /// Its value.
         value: f32,
@@ -57,14 +57,14 @@ pub enum EvaluateError {
     },
     /// The query lies farther from all samples than any sample from the others.
     FarFromSamples {
-        /// How much farther, in units of the interpolation error's deviation.
+        /// Ratio of the interpolation error's standard deviation to the greatest one of a sample left out.
         ratio: f32,
     },
-    /// The query lies so far from the samples that these are one point to it: nothing can be extrapolated.
+    /// The query is too far from its samples to extrapolate.
     BeyondExtrapolation {
-        /// Distance from the centroid of the samples that take part, in their spread.
+        /// Distance from the centroid of the samples used, in their spread.
         distance: f32,
-        /// The greatest that is answered.
+        /// Maximum distance that is answered.
         limit: f32,
     },
     /// No steady state exists at these parameters.
@@ -73,14 +73,14 @@ pub enum EvaluateError {
         capillary_number: f32,
         /// a/l.
         confinement: f32,
-        /// The largest Ca at this a/l that has a steady state.
+        /// Greatest Ca with a steady state at this a/l.
         limit: f32,
     },
-    /// The query lies outside the sampled domain, where no bound of the error is calibrated.
+    /// The query lies outside the sampled domain, where no error bound is calibrated.
     NoBound,
     /// An extrapolated shape encloses a volume that no capsule of the model has.
     WrongVolume {
-        /// In the volume of the sphere of radius a.
+        /// Its volume, in that of the sphere of radius a.
         volume: f32,
         /// Least volume allowed.
         min: f32,
@@ -89,7 +89,7 @@ pub enum EvaluateError {
     },
     /// An extrapolated shape reaches through a wall of the channel.
     BeyondWall {
-        /// |y| or |z| of its farthest node, in l: the wall is at 1.
+        /// Greatest |y| or |z| of its nodes, in l: the wall is at 1.
         reach: f32,
     },
     /// The weights of the samples do not sum to 1: the samples near the query are too close to each other.
@@ -106,9 +106,9 @@ pub enum EvaluateError {
         /// Number of nodes.
         nodes: usize,
     },
-    /// The model does not know the stress-free state, from which the mechanics follows.
+    /// The model has no spherical stress-free state, which the mechanics needs.
     UnsupportedReference,
-    /// The nodes near one do not determine derivatives there: the mesh is too coarse.
+    /// The nodes near a node do not determine derivatives there: the mesh is too coarse.
     StencilTooSmall {
         /// Its index.
         node: usize,
@@ -122,11 +122,11 @@ pub enum EvaluateError {
         /// Entries given.
         found: usize,
     },
-    /// The result is not finite: the parameters are too far from all samples, or the model's numbers are absurd.
+    /// The result is not finite: the parameters are too far from all samples, or the model's numbers are too large.
     NotFinite,
 }
 
-/// The one check of what leaves the core.
+/// The results, if all are finite: the check of every number that leaves the core.
 pub(crate) fn finite<T: Real, const D: usize>(numbers: [T; D]) -> core::result::Result<[T; D], EvaluateError> {
     if numbers.iter().all(|number| number.is_finite()) {
         Ok(numbers)
@@ -173,7 +173,7 @@ impl EvaluateError {
             ),
             Self::BeyondExtrapolation { distance, limit } => write!(
                 f,
-                "the samples are {distance:.1} times as far as they are spread: up to {limit} times can be extrapolated"
+                "the query is {distance:.1} spreads from its samples; the limit is {limit}"
             ),
             Self::BeyondSteadyLimit {
                 capillary_number,

@@ -43,7 +43,6 @@ mod nearest;
 mod paper;
 mod parts;
 mod query;
-mod real;
 mod scene;
 mod solver;
 mod surface;
@@ -54,8 +53,10 @@ pub use model::wire::{MAX_PARAMETERS, Method};
 pub use model::{DIAGONAL, MIDPLANE, Model, Parameters};
 pub use query::{Domain, Query, Scheme};
 // Storage.
+#[doc(hidden)]
+pub use linalg::ProductScalar;
+pub use linalg::Real;
 pub use parts::Parts;
-pub use real::Real;
 pub use solver::scratch_len;
 pub use surface::playback::{Playback, playback_len};
 pub use workspace::Workspace;

@@ -12,13 +12,15 @@ pub(crate) mod ldl;
 pub(crate) mod lq;
 mod products;
 mod qr;
+mod real;
 mod vectors;
 
-pub(crate) use products::{Block, TWO_PANELS, multiply, multiply_singles};
+pub use products::ProductScalar;
+pub(crate) use products::{Block, TWO_PANELS};
 pub(crate) use qr::{MAX_COLUMNS, Qr, symmetric_times};
+pub use real::Real;
 pub(crate) use vectors::in_vectors;
 
-use crate::Real;
 use core::ops::Range;
 
 /// Numbers that are added side by side: rows of a panel.

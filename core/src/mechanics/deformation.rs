@@ -1,9 +1,11 @@
 //! Local mechanics at a node: stretches, tensions, energy and load of the neo-Hookean membrane.
 
-use super::{determinant, metric, plus};
+use super::{determinant, metric};
 use crate::Real;
 use crate::error::{EvaluateError, finite};
+use crate::linalg::dot;
 use crate::model::apply;
+use nalgebra::Vector3;
 
 /// Derivatives of the current position at a node by the arc lengths along two orthogonal directions of the stress-free
 /// sphere, from which all local quantities follow. Tensions and energies are in G_s.
@@ -56,16 +58,11 @@ impl<T: Real> Deformation<T> {
             (half + root, m12)
         };
         let (c, s) = if root > T::ZERO { (c, s) } else { (T::ONE, T::ZERO) };
-        let [first, second] = self.first;
-        let unit = |vector: [T; 3]| {
-            let length = crate::linalg::dot(&vector, &vector).sqrt();
-            vector.map(|component| component / length)
-        };
-        let zero = [T::ZERO; 3];
-        [
-            unit(plus(plus(zero, c, first), s, second)),
-            unit(plus(plus(zero, c, second), -s, first)),
-        ]
+        let [first, second] = self.first.map(Vector3::from);
+        let unit = |vector: Vector3<T>| (vector / dot(vector.as_slice(), vector.as_slice()).sqrt()).into();
+        // Sums start at 0, so that no component is -0.
+        let zero = Vector3::from([T::ZERO; 3]);
+        [unit(zero + first * c + second * s), unit(zero + second * c - first * s)]
     }
 
     /// Principal tensions T_1 >= T_2 in G_s: T_1 = (lambda_1^2 - (lambda_1 lambda_2)^-2) / (lambda_1 lambda_2).
@@ -88,11 +85,11 @@ impl<T: Real> Deformation<T> {
     /// [`EvaluateError::NotFinite`].
     pub fn load(&self, capillary_number: T) -> Result<[T; 3], EvaluateError> {
         let two = T::from_f32(2.0);
-        let ([x1, x2], [x11, x12, x22]) = (&self.first, &self.second);
+        let ([x1, x2], [x11, x12, x22]) = (self.first.map(Vector3::from), self.second.map(Vector3::from));
         let metric = metric(&self.first);
         let square = determinant(metric);
         let [s11, s22, s12] = stress(metric);
-        let product = |a: &[T; 3], b: &[T; 3]| crate::linalg::dot(a, b);
+        let product = |a: Vector3<T>, b: Vector3<T>| dot(a.as_slice(), b.as_slice());
         // Derivatives of the metric, and of the stress along its first index. Derivatives of the stress-free metric are 0
         // in the coordinates of a stencil.
         let along_1 = [
@@ -108,18 +105,10 @@ impl<T: Real> Deformation<T> {
         let [ds11, _, ds12] = stress_rate(metric, square, along_1);
         let [_, ds22, ds21] = stress_rate(metric, square, along_2);
         // -div (S^ab x_,b) = -(S^ab_,a x_,b + S^ab x_,ab) per stress-free area.
-        let mut sum = [T::ZERO; 3];
-        for (factor, vector) in [
-            (ds11 + ds21, x1),
-            (ds12 + ds22, x2),
-            (s11, x11),
-            (s22, x22),
-            (two * s12, x12),
-        ] {
-            sum = plus(sum, factor, *vector);
-        }
+        let zero = Vector3::from([T::ZERO; 3]);
+        let sum = zero + x1 * (ds11 + ds21) + x2 * (ds12 + ds22) + x11 * s11 + x22 * s22 + x12 * (two * s12);
         let scale = -T::ONE / (square.sqrt() * capillary_number);
-        finite(sum.map(|component| scale * component))
+        finite((sum * scale).into())
     }
 
     /// lambda_1^2, the greater eigenvalue of the metric.
@@ -165,8 +154,8 @@ mod tests {
     fn stretched(lambda: [f64; 2]) -> Deformation<f64> {
         // Principal directions at 30 degrees to those of the reference, rotated in space.
         let (s, c) = (0.5, 0.75_f64.sqrt());
-        let [along, across] = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]];
-        let first = [[c, s], [-s, c]].map(|[a, b]| plus(plus([0.0; 3], a * lambda[0], along), b * lambda[1], across));
+        let [along, across] = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]].map(Vector3::from);
+        let first = [[c, s], [-s, c]].map(|[a, b]| (along * (a * lambda[0]) + across * (b * lambda[1])).into());
         Deformation {
             first,
             second: [[0.0; 3]; 3],

@@ -4,6 +4,9 @@
 //! weights of the first two derivatives of that function at a node; it depends on the mesh only, so it is the same for
 //! every instant and query. A [`Membrane`] is the surface at an instant; it gives the [`Deformation`] at a stencil's node,
 //! from which all local quantities follow, and the [`Totals`].
+//!
+//! Vectors are nalgebra's, whose component-wise operations and cross product have the order of the formulas. Scalar
+//! products are those of `linalg`: nalgebra adds (x + y) + z, and all targets here add (x + z) + y.
 
 mod deformation;
 mod membrane;
@@ -15,11 +18,6 @@ pub use membrane::{Membrane, Totals};
 pub use stencil::Stencil;
 
 use crate::Real;
-
-/// a + factor b.
-fn plus<T: Real>(a: [T; 3], factor: T, b: [T; 3]) -> [T; 3] {
-    core::array::from_fn(|axis| a[axis] + factor * b[axis])
-}
 
 /// Metric of two tangents: components 11, 22, 12.
 fn metric<T: Real>(tangents: &[[T; 3]; 2]) -> [T; 3] {

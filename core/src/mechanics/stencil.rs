@@ -1,11 +1,12 @@
 //! Derivatives on the stress-free sphere from the nodes around a node.
 
-use super::{Deformation, plus};
+use super::Deformation;
 use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::linalg::{dot, gram_schmidt};
 use crate::model::Mesh;
 use crate::nearest::Nearest;
+use nalgebra::Vector3;
 
 /// Number of nodes of a stencil besides its own.
 const NEIGHBOURS: usize = 24;
@@ -106,19 +107,19 @@ impl<T: Real> Stencil<T> {
         radius: T,
         position: impl Fn(usize) -> Result<[T; 3], EvaluateError>,
     ) -> Result<Deformation<T>, EvaluateError> {
-        let centre = position(self.node())?;
-        let mut sums = [[T::ZERO; 3]; DERIVATIVES];
+        let centre = Vector3::from(position(self.node())?);
+        let mut sums = [Vector3::from([T::ZERO; 3]); DERIVATIVES];
         for (j, neighbour) in self.neighbours.iter().enumerate() {
-            let offset = plus(position(*neighbour as usize)?, -T::ONE, centre);
+            let offset = Vector3::from(position(*neighbour as usize)?) - centre;
             for (sum, weights) in sums.iter_mut().zip(&self.weights) {
-                *sum = plus(*sum, weights[j], offset);
+                *sum += offset * weights[j];
             }
         }
         let square = radius * radius;
         let [x1, x2, x11, x12, x22] = sums;
         let deformation = Deformation {
-            first: [x1, x2].map(|vector| vector.map(|x| x / radius)),
-            second: [x11, x12, x22].map(|vector| vector.map(|x| x / square)),
+            first: [x1, x2].map(|vector| (vector / radius).into()),
+            second: [x11, x12, x22].map(|vector| (vector / square).into()),
         };
         for derivative in deformation.second {
             finite(derivative)?;
@@ -142,11 +143,11 @@ const FAR: f32 = 4.0;
 /// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; points beyond 120 degrees are
 /// mapped to the distance [`FAR`].
 fn projection<T: Real>(centre: [T; 3], axes: &[[T; 3]; 2], point: [T; 3]) -> [T; 2] {
-    let chord = plus(point, -T::ONE, centre);
-    let square = dot(&chord, &chord);
+    let chord = Vector3::from(point) - Vector3::from(centre);
+    let square = dot(chord.as_slice(), chord.as_slice());
     if square < T::from_f32(3.0) {
         let scale = T::ONE / (T::ONE - square * T::from_f32(0.25));
-        [0, 1].map(|axis| scale * dot(&chord, &axes[axis]))
+        [0, 1].map(|axis| scale * dot(chord.as_slice(), &axes[axis]))
     } else {
         [T::from_f32(FAR), T::ZERO]
     }
@@ -163,10 +164,10 @@ fn tangents<T: Real>(normal: [T; 3]) -> [[T; 3]; 2] {
     } else {
         [T::ZERO, T::ZERO, T::ONE]
     };
-    let first = plus(axis, -dot(&axis, &normal), normal);
-    let length = dot(&first, &first).sqrt();
-    let [a, b, c] = first.map(|component| component / length);
-    [[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a]]
+    let normal = Vector3::from(normal);
+    let first = Vector3::from(axis) - normal * dot(&axis, normal.as_slice());
+    let first = first / dot(first.as_slice(), first.as_slice()).sqrt();
+    [first.into(), normal.cross(&first).into()]
 }
 
 /// The monomials at the neighbours, a column each; those of the derivatives come last.

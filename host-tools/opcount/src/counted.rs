@@ -5,7 +5,7 @@ use std::fmt;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use capsule_core::Real;
+use capsule_core::{ProductScalar, Real};
 use serde::Serialize;
 
 thread_local!(static COUNTS: Cell<Counts> = const { Cell::new(Counts::NONE) });
@@ -101,11 +101,7 @@ impl fmt::Display for Counted {
     }
 }
 
-impl Real for Counted {
-    const ZERO: Self = Self(0.0);
-    const ONE: Self = Self(1.0);
-    const EPSILON: Self = Self(f32::EPSILON);
-
+impl ProductScalar for Counted {
     type Accumulator = i32;
     const ZERO_SUM: i32 = 0;
     const MAX_FACTOR: Self = Self(f32::MAX_FACTOR);
@@ -126,6 +122,12 @@ impl Real for Counted {
         });
         f32::add_products(sums, entries, pair)
     }
+}
+
+impl Real for Counted {
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+    const EPSILON: Self = Self(f32::EPSILON);
 
     fn from_f32(value: f32) -> Self {
         note(|counts| counts.reads += 1);

@@ -144,9 +144,10 @@ impl Model {
 
     /// Sampled parameters, a row each; a sample that clusters share is given once.
     fn samples<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let ranges = self.shared.core().parameters();
+        let model = self.shared.core();
+        let ranges = model.parameters();
         let mut samples: Vec<Vec<f64>> = Vec::new();
-        for cluster in self.shared.core().clusters() {
+        for cluster in model.clusters() {
             let rows = cluster.parameters();
             for row in 0..rows.rows() {
                 let columns = (0..rows.columns()).zip(ranges);

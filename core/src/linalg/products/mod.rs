@@ -6,10 +6,12 @@ mod avx2;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
 
+mod scalar;
+
 use super::LANES;
-use crate::Real;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::multiply_singles;
+pub use scalar::ProductScalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 pub(crate) use simd128::multiply_singles;
 
@@ -21,7 +23,7 @@ pub(crate) const TWO_PANELS: bool = cfg!(target_arch = "x86_64");
 
 /// products <- panels times some quantised vectors, each with its scale and two factors to a block.
 #[inline(always)]
-pub(crate) fn multiply<T: Real, const B: usize, const P: usize>(
+pub(crate) fn multiply<T: ProductScalar, const B: usize, const P: usize>(
     panels: [&[Block]; P],
     factors: &[[T::PackedFactors; B]],
     scales: [T; B],
@@ -41,7 +43,7 @@ pub(crate) fn multiply<T: Real, const B: usize, const P: usize>(
 
 /// products <- four rows of a panel, from word `FIRST` of its blocks on, times vector number `b`.
 #[inline(never)]
-fn half<T: Real, const B: usize, const FIRST: usize>(
+fn half<T: ProductScalar, const B: usize, const FIRST: usize>(
     panel: &[Block],
     factors: &[[T::PackedFactors; B]],
     b: usize,
