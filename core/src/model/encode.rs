@@ -11,7 +11,8 @@ const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (16 + 3 * MAX_SPANS) * MAX_CLUSTER
 static ZEROS: [u8; ALIGNMENT] = [0; ALIGNMENT];
 
 /// Writes a model file into `buffer`, choosing the pads, and returns its length. A buffer of the summed length of all
-/// arrays and texts plus 8 KiB is long enough. The contents are not checked; [`Model::open`](super::Model::open) checks them.
+/// arrays and texts plus 8 KiB is long enough. The contents are not checked; [`Model::open`](super::Model::open) checks
+/// them.
 ///
 /// # Errors
 /// [`EncodeError`] if the buffer is too short or the length of the payload does not fit into a u32.

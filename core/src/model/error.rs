@@ -3,7 +3,7 @@
 use core::error::Error;
 use core::fmt::{Display, Formatter, Result};
 
-/// Why a model file was refused.
+/// Reason why a model file is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum OpenError {
@@ -58,9 +58,9 @@ pub enum OpenError {
         /// The file's number.
         found: usize,
     },
-    /// There are too many or too few of something.
+    /// A count is wrong.
     Dimension {
-        /// What was counted.
+        /// The things counted.
         what: &'static str,
         /// The count that the rest of the file asks for (the least, or the bound, where several would do).
         expected: usize,
@@ -84,10 +84,10 @@ pub enum OpenError {
         index: usize,
         /// The index found there.
         value: usize,
-        /// What it must be below.
+        /// Exclusive upper bound.
         bound: usize,
     },
-    /// A number that cannot stand where it stands.
+    /// A number is outside its range.
     Number {
         /// The array.
         what: &'static str,
@@ -140,13 +140,13 @@ impl Display for OpenError {
             Self::Magic { found } => write!(f, "not a model file: it starts with {found:02x?} instead of \"CROM\""),
             Self::Version { found, supported } if found > supported => write!(
                 f,
-                "the model file has format version {found}, newer than {supported}, the newest that this reader knows; update \
+                "the model file has format version {found}; this reader knows up to {supported}; update \
                  the reader"
             ),
             Self::Version { found, supported } => {
                 write!(
                     f,
-                    "the model file has format version {found}, older than {supported}, the only one that this reader knows; build \
+                    "the model file has format version {found}; this reader knows only {supported}; build \
                      the model again"
                 )
             }
@@ -195,7 +195,7 @@ impl Display for OpenError {
 
 impl Error for OpenError {}
 
-/// Why a model file was not written.
+/// Reason why a model file is not written.
 #[cfg(feature = "write")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -217,7 +217,10 @@ impl Display for EncodeError {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match *self {
             Self::BufferTooShort { found } => write!(f, "the model file does not fit into a buffer of {found} bytes"),
-            Self::TooLong { length } => write!(f, "a payload of {length} bytes is longer than the header can say"),
+            Self::TooLong { length } => write!(
+                f,
+                "a payload of {length} bytes is longer than the 4-byte length of the header allows"
+            ),
         }
     }
 }

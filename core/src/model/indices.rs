@@ -14,7 +14,7 @@ impl<'a> Indices<'a> {
         Self(blob.data.as_chunks().0)
     }
 
-    /// Those in a range; none where there are not as many.
+    /// The indices in a range; empty where the range reaches beyond the list.
     pub(super) fn slice_or_empty(&self, range: Range<usize>) -> Self {
         Self(slice_or_empty(self.0, range))
     }

@@ -1,8 +1,8 @@
 //! The model file: wire format, validation, views that read in place.
 //!
 //! A file is a 16-byte header (magic `CROM`, format version, payload length, CRC-32 of the payload, all little-endian
-//! u32) and one postcard message, see [`wire`]. [`Model::open`] checks everything once; after it no accessor and no
-//! evaluation depends on the file being well made any more.
+//! u32) and one postcard message, described in `wire.rs`. [`Model::open`] checks everything once; after it no accessor
+//! and no evaluation depends on the file being well made any more.
 
 mod checksum;
 mod curve;
@@ -67,7 +67,7 @@ impl<'a> Model<'a> {
     /// Opens a model file: checks header, CRC-32, every dimension, index and number.
     ///
     /// # Errors
-    /// What is wrong with the file, see [`OpenError`].
+    /// [`OpenError`] names the fault of the file.
     pub fn open(file: &'a [u8]) -> Result<Self, OpenError> {
         let mut model = Self::empty();
         model.read(file)?;

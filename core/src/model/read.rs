@@ -1,5 +1,5 @@
-//! Reading the message where it lies, field by field into place: what serde would build by value, on a stack that a
-//! microcontroller does not have. The format is postcard's: integers above a byte in groups of seven bits, the lowest
+//! Reading the message in place, field by field. serde would build each struct by value, on a larger stack than a
+//! microcontroller has. The format is postcard's: integers above a byte in groups of seven bits, the lowest
 //! first; bytes, texts and lists behind their length; enums by the number of the variant; floats as they are.
 
 use super::wire::{
@@ -121,7 +121,7 @@ impl<'a> Reader<'a> {
         0
     }
 
-    /// The same number on every target: a length of more than 32 bits cannot be right.
+    /// A length; one of more than 32 bits is refused on every target.
     fn length(&mut self) -> usize {
         self.integer(u32::BITS) as usize
     }

@@ -31,11 +31,11 @@ pub const MIDPLANE: &str = "midplane";
 /// Name of the node set of the outline y = z >= 0, front pole to rear pole, under the same condition.
 pub const DIAGONAL: &str = "diagonal";
 
-/// The whole message.
+/// The message.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Contents<'a> {
-    /// What the model is and where it comes from.
+    /// Title, units, parameters, provenance.
     #[cfg_attr(feature = "write", serde(borrow))]
     pub metadata: Metadata<'a>,
     /// Surface mesh and its symmetry.
@@ -53,7 +53,7 @@ pub struct Contents<'a> {
     /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l
     /// strictly rising; linear between, and no border beyond. May be empty.
     pub border: Matrix<'a>,
-    /// Method that a caller should take when it has no wish of its own.
+    /// Method for a caller that has no preference.
     pub default_method: Method,
     /// Settings of [`Method::Direct`].
     pub kernel: Kernel,
@@ -65,7 +65,7 @@ pub struct Contents<'a> {
     pub clusters: Vec<Cluster<'a>, MAX_CLUSTERS>,
 }
 
-/// What the model is and where it comes from.
+/// Title, units, parameters, provenance.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Metadata<'a> {
@@ -103,8 +103,8 @@ pub struct Units<'a> {
 
 /// One parameter and the range in which the model was sampled.
 ///
-/// A model works with scaled parameters, (value - origin) / scale, so that values of any size and offset keep their
-/// digits. For a capsule in the channel they are Ca and a/l themselves.
+/// A model works with scaled parameters, (value - origin) / scale, so that a large offset costs no precision. For a
+/// capsule in the channel they are Ca and a/l themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Parameter<'a> {
@@ -131,7 +131,7 @@ pub struct Mesh<'a> {
     /// `u16 [N_e, element_nodes]`: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
     #[cfg_attr(feature = "write", serde(borrow))]
     pub elements: Blob<'a>,
-    /// What the reference nodes are.
+    /// Shape of the reference nodes.
     pub reference: Reference,
     /// Reference nodes of the sector `[N_s, 3]`.
     pub sector_reference: Matrix<'a>,
@@ -332,14 +332,8 @@ pub struct Matrix<'a> {
 
 /// How the entries of a matrix are stored.
 ///
-/// Integers are digits of one byte with a sign. A column of two digits is 256 times the first and the second; the
-/// columns of two digits come first.
-///
-/// A panel is eight successive rows in blocks of 16 bytes, one for a column of two digits or for two columns of one. A
-/// block is four words, one for every two rows: the first digits of these, or those of the first column, then the
-/// second ones. Products with vectors take a panel at a time. Where the rows are no multiple of eight, or the columns
-/// of one digit are odd in number, zeros fill the last panel or block. The panels of a transpose have digits for rows,
-/// the last digits of all columns before the first ones, and rows for columns, all of one digit.
+/// A quantised entry is an integer times a scale. The integers of the first columns, which are wide, have two bytes,
+/// the others one; [`panels`](super::panels) describes their layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 #[non_exhaustive]
@@ -347,20 +341,19 @@ pub enum Encoding {
     /// Little-endian binary32, row by row.
     #[default]
     F32,
-    /// A little-endian binary32 for each column, its unit; then the panels of the transpose, in the units of the
-    /// columns.
+    /// A little-endian binary32 scale for each column, then the panels of the transpose: for sums of rows.
     Columns(Widths),
-    /// A little-endian binary32 for each column, its unit; then the panels in the units of their columns.
+    /// A little-endian binary32 scale for each column, then the panels: for products with vectors.
     ColumnPanels(Widths),
-    /// A little-endian binary32 for each row, its unit; then the panels in the units of their rows.
+    /// A little-endian binary32 scale for each row, then the panels: for products with vectors.
     RowPanels(Widths),
 }
 
-/// How integers are stored.
+/// Bytes of the integers of each column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Widths {
-    /// In how many of the first columns they have two digits.
+    /// Number of leading columns whose integers have two bytes; those of the others have one.
     pub wide_columns: u16,
 }
 

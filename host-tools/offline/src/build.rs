@@ -17,12 +17,12 @@ use crate::spectra::laboratory;
 use crate::writer::{OwnedErrors, StoredMatrix};
 use crate::{LeftOut, OfflineError, Progress, Settings, Source, Spectrum};
 
-/// What a build found.
+/// Report of a build.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BuildReport {
     /// Configurations in the model.
     pub samples: usize,
-    /// Those of them that never became steady.
+    /// Samples that never became steady.
     pub unsteady_samples: usize,
     /// Parameters of the configurations that take no part because they buckle late.
     pub late: Vec<Vec<f64>>,
@@ -84,7 +84,7 @@ pub struct FieldReport {
     pub axial_rank: usize,
     /// Root-mean-square error of the displacement over nodes, instants and samples that the space modes leave, in l.
     pub space_error: f64,
-    /// That which the parameter modes leave.
+    /// Root-mean-square error that the parameter modes leave.
     pub parameter_error: f64,
 }
 
@@ -104,7 +104,8 @@ pub fn build<'a>(
     progress("singular values", 0, 2);
     let mut spectra = laboratory(&plan.samples, plan.mesh.scales(), plan.nodes)?;
     progress("singular values", 1, 2);
-    // Models of every other, every fourth and every eighth instant tell what interpolation in time leaves.
+    // The errors of models of every other, every fourth and every eighth instant give the error of the interpolation in
+    // time.
     let every = |stride| plan.thinned(stride, progress)?.map(Assembled::new).transpose();
     let (mut two, four, eight) = (every(2)?, every(4)?, every(8)?);
     let [four, eight] = [four.as_ref(), eight.as_ref()];
@@ -176,8 +177,8 @@ pub fn build<'a>(
     Ok((bytes, report))
 }
 
-/// Gives a model the errors at its samples, each left out (as far as that was done) and not, and those between its
-/// instants, which models of every other and every fourth of these tell.
+/// Stores the errors of a model: at its samples, with and without each, and between its instants. Models of every other
+/// and every fourth instant give the last.
 fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assembled>; 3]) -> Result<(), OfflineError> {
     for cluster in 0..model.reduced.len() {
         for (m, method) in METHODS.into_iter().enumerate() {
@@ -205,8 +206,8 @@ fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assemb
     Ok(())
 }
 
-/// Gives a model the bounds of what it errs between its instants: as multiples of what is expected they are those of a
-/// model of every other instant.
+/// Stores the bounds of the errors between instants: the same multiples of the expected error as in the model of every
+/// other instant.
 fn bound_intervals(model: &mut Assembled, coarser: Option<&Assembled>) -> Result<(), OfflineError> {
     let Some(coarser) = coarser else { return Ok(()) };
     let intervals = model.plan.times().len() - 1;

@@ -1,4 +1,4 @@
-//! Samples and their places as a model file holds them, for interpolation beside a model.
+//! Samples and their coordinates as a model file stores them, for interpolation outside a model.
 
 use capsule_core::Parameters;
 use capsule_core::interpolate::Coordinates;

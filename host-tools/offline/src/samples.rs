@@ -29,9 +29,9 @@ pub(crate) struct Sample {
     pub(crate) dent: Dent,
     pub(crate) displacement: State,
     pub(crate) velocity: State,
-    /// What a prediction is compared with.
+    /// Full-order solution that predictions are compared with.
     pub(crate) truth: Vec<Truth>,
-    /// The same at instants that the model was not built from.
+    /// Full-order solution at instants that the model was not built from.
     pub(crate) held_out: Vec<Truth>,
 }
 

@@ -17,7 +17,7 @@ mod header;
 use arbitrary::{Arbitrary, Unstructured};
 use capsule_core::mechanics::Totals;
 use capsule_core::{
-    DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, MAX_PARAMETERS,
+    DIAGONAL, Evaluator, Frame, MAX_PARAMETERS, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace,
 };
 use std::sync::LazyLock;
 

@@ -16,14 +16,14 @@ pub(super) const ANY: [f32; 2] = [-MAX, MAX];
 /// The range of numbers that may not be negative.
 pub(super) const POSITIVE: [f32; 2] = [0.0, MAX];
 
-/// What a setting must lie within.
+/// Range of a setting.
 pub(super) struct Range {
     pub(super) what: &'static str,
     pub(super) min: f64,
     pub(super) max: f64,
 }
 
-/// Keeps what was found wrong first. After it no array is looked at any more: what is known of one is that it is empty.
+/// Keeps the first fault. After it no array is read: checks return empty views.
 pub(super) struct Validator {
     pub(super) found: Result<(), OpenError>,
     /// The range of lengths.

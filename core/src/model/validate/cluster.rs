@@ -108,7 +108,7 @@ impl Validator {
     }
 }
 
-/// So many rows in whole panels.
+/// Number of rows that the panels of so many rows hold.
 fn panelled(rows: usize) -> usize {
     rows.div_ceil(LANES).saturating_mul(LANES)
 }

@@ -38,8 +38,8 @@ impl Validator {
         if element_nodes != 3 {
             self.count("nodes of an element", 6, element_nodes);
         }
-        let whole = mesh.elements.data.len() / (2 * element_nodes.max(1)) * element_nodes;
-        self.indices("elements", &mesh.elements, whole, nodes);
+        let count = mesh.elements.data.len() / (2 * element_nodes.max(1)) * element_nodes;
+        self.indices("elements", &mesh.elements, count, nodes);
         for set in &mesh.node_sets {
             self.indices("node sets", &set.nodes, set.nodes.data.len() / 2, nodes);
         }

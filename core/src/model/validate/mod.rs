@@ -8,7 +8,7 @@ use super::error::OpenError;
 use super::wire::{Contents, Reference};
 use checks::{MAX, POSITIVE, Range, TIME, Validator};
 
-/// The same for lengths of a model in its own units, in its radius.
+/// Greatest length of a model in its own units, as a multiple of its radius.
 const MAX_IN_RADII: f32 = 1e9;
 /// The largest value of a parameter in its own units.
 const MAX_PARAMETER: f64 = 1e36;

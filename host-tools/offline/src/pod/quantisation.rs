@@ -6,8 +6,8 @@ use faer::Mat;
 use super::ranks::trailing;
 use super::{DoublePod, Snapshots, SpanPod};
 
-/// Root-mean-square error that the quantisation of the modes and of the parameter modes may add, each, as a share of the
-/// tolerance.
+/// Root-mean-square error that the quantisation of the modes and of the parameter modes may add, each, as a share of
+/// the tolerance.
 const MODES_SHARE: f64 = 0.2;
 /// The same for the core: a wide column costs a query as much as one more column.
 const CORE_SHARE: f64 = 0.3;

@@ -109,3 +109,28 @@ impl OwnedCluster {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::writer::tests::Fixture;
+    use capsule_core::Model;
+
+    #[test]
+    fn the_samples_are_read_as_they_were_written() {
+        let fixture = Fixture::new();
+        let left = fixture.cluster.without(&[1, 5]);
+        let kept = [0, 2, 3, 4, 6, 7, 8];
+        let all: Vec<usize> = (0..fixture.parameters.len()).collect();
+        for (cluster, expected) in [(&fixture.cluster, &all[..]), (&left, &kept)] {
+            let file = fixture.file(&[cluster]);
+            let model = Model::open(&file).unwrap();
+            let read = model.clusters().next().unwrap();
+            assert_eq!(read.range(), [0.8, 1.0]);
+            let rows: Vec<[f32; 2]> = read.parameters().pairs().collect();
+            let expected = expected
+                .iter()
+                .map(|j| fixture.parameters[*j].map(|value| value as f32));
+            assert_eq!(rows, expected.collect::<Vec<_>>());
+        }
+    }
+}

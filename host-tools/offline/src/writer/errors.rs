@@ -69,3 +69,24 @@ impl OwnedErrors {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::writer::tests::Fixture;
+    use capsule_core::{Method, Model};
+
+    #[test]
+    fn errors_are_read_as_they_were_written() {
+        let fixture = Fixture::new();
+        let file = fixture.file(&[&fixture.cluster]);
+        let model = Model::open(&file).unwrap();
+        let cluster = model.clusters().next().unwrap();
+        let [direct, paper] = [Method::Direct, Method::Paper].map(|method| cluster.left_out(method));
+        for j in 0..fixture.parameters.len() {
+            let expected = [1e-3 * j as f64, 2e-3 * j as f64].map(|error| error as f32);
+            assert_eq!([direct.get(j, 0), direct.get(j, 1)], expected);
+            assert_eq!([paper.get(j, 0), paper.get(j, 1)], [0.0; 2]);
+        }
+        assert_eq!(model.contents().clusters[0].direct_errors.floor, 3e-5);
+    }
+}

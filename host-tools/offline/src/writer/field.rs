@@ -154,3 +154,57 @@ impl OwnedField {
         spans.chain(arrays.map(|array| array.byte_len())).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::writer::tests::{Fixture, TOLERANCE};
+    use capsule_core::Model;
+    use capsule_core::model::{Indices, MatrixView};
+
+    /// At its two ends a spline is its first and its last control.
+    #[test]
+    fn the_motion_is_read_within_the_tolerance() {
+        let fixture = Fixture::new();
+        let file = fixture.file(&[&fixture.cluster]);
+        let model = Model::open(&file).unwrap();
+        let field = &model.contents().clusters[0].field;
+        let modes = MatrixView::new(&field.modes);
+        let [axial_controls, axial_modes] = [&field.axial_controls, &field.axial_modes].map(MatrixView::new);
+        let stride = fixture.owned.order.len().next_multiple_of(LANES);
+        let mut square = 0.0;
+        let instants = fixture.states[0][0].shape.ncols();
+        for at_end in [false, true] {
+            let span = &field.spans[if at_end { field.spans.len() - 1 } else { 0 }];
+            let (core, psi) = (MatrixView::new(&span.core), MatrixView::new(&span.parameter_modes));
+            let slices: Vec<usize> = Indices::new(&span.slices).iter().collect();
+            let slice = if at_end { slices.len() - 1 } else { 0 };
+            let first = LANES * slices[..slice].iter().sum::<usize>();
+            let rows = (LANES * slices[slice]).min(modes.columns());
+            let instant = if at_end { instants - 1 } else { 0 };
+            for (j, [state, _]) in fixture.states.iter().enumerate() {
+                let dot = |row: usize| -> f64 {
+                    (0..psi.columns())
+                        .map(|l| f64::from(core.get(row, l)) * f64::from(psi.get(j, l)))
+                        .sum()
+                };
+                let alpha: Vec<f64> = (0..rows).map(|k| dot(first + k)).collect();
+                for (place, s) in fixture.owned.order.iter().enumerate() {
+                    for d in 0..3 {
+                        let mode = |k: usize| f64::from(modes.get(d * stride + place, k));
+                        let found: f64 = alpha.iter().enumerate().map(|(k, a)| a * mode(k)).sum();
+                        let exact = state.shape[(3 * s + d, instant)] / fixture.owned.scales[*s];
+                        square += fixture.owned.scales[*s].powi(2) * (found - exact).powi(2);
+                    }
+                }
+                let control = if at_end { axial_controls.rows() - 1 } else { 0 };
+                let axial = (0..axial_modes.columns())
+                    .map(|a| f64::from(axial_controls.get(control, a)) * f64::from(axial_modes.get(j, a)));
+                assert!((axial.sum::<f64>() - state.translation[instant]).abs() < 2.0 * TOLERANCE);
+            }
+        }
+        let error = (square / (2 * fixture.mesh.nodes.len() * fixture.states.len()) as f64).sqrt();
+        // The tolerance is a mean over the instants, of which these are two.
+        assert!(error < 4.0 * TOLERANCE, "{error:e}");
+    }
+}

@@ -138,3 +138,53 @@ fn greatest_multiple(wide: bool) -> f64 {
     let byte = f64::from(i8::MAX);
     if wide { 256.0 * byte + byte } else { byte }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPE: [usize; 2] = [11, 5];
+
+    fn value(i: usize, j: usize) -> f64 {
+        0.5f64.powi(j as i32) * ((3 * i + 5 * j) as f64).cos()
+    }
+
+    #[test]
+    fn an_entry_is_read_within_half_its_scale() {
+        for encoding in [Encoding::Columns, Encoding::ColumnPanels, Encoding::RowPanels] {
+            for wide_columns in [0, 2, 5] {
+                let stored = StoredMatrix::quantized(Storage::Integer, encoding, wide_columns, SHAPE, value);
+                for (factor, stored) in [(1.0, stored.clone()), (-4.0, stored.times(-4.0))] {
+                    let matrix = stored.matrix();
+                    let view = MatrixView::new(&matrix);
+                    assert_eq!([view.rows(), view.columns()], SHAPE);
+                    for (i, j) in (0..SHAPE[0]).flat_map(|i| (0..SHAPE[1]).map(move |j| (i, j))) {
+                        let error = (f64::from(view.get(i, j)) - factor * value(i, j)).abs();
+                        // No entry exceeds 1.
+                        let steps = if j < wide_columns { 32_639.0 } else { 127.0 };
+                        assert!(
+                            error <= 0.501 * f64::abs(factor) / steps,
+                            "{wide_columns}: {i} {j}: {error:e}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_are_left_out_change_no_other() {
+        for stored in [
+            StoredMatrix::new(SHAPE[0], SHAPE[1], value),
+            StoredMatrix::quantized(Storage::Integer, Encoding::Columns, 2, SHAPE, value),
+        ] {
+            let left = stored.without(&[0, 4, 10]);
+            for (place, row) in [1, 2, 3, 5, 6, 7, 8, 9].into_iter().enumerate() {
+                for column in 0..SHAPE[1] {
+                    assert_eq!(left.get(place, column), stored.get(row, column));
+                }
+            }
+            assert_eq!(left.rows, 8);
+        }
+    }
+}

@@ -188,3 +188,33 @@ fn outline(
     }
     Ok(outline)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::writer::tests::Fixture;
+    use capsule_core::{DIAGONAL, MIDPLANE, Model};
+
+    #[test]
+    fn the_mesh_is_read_as_it_was_written() {
+        let fixture = Fixture::new();
+        let file = fixture.file(&[&fixture.cluster]);
+        let model = Model::open(&file).unwrap();
+        let mesh = model.mesh();
+        assert_eq!(mesh.nodes(), fixture.mesh.nodes.len());
+        for (node, exact) in fixture.mesh.nodes.iter().enumerate() {
+            let found = mesh.reference(node).unwrap();
+            assert!((0..3).all(|d| (f64::from(found[d]) - exact[d]).abs() < 1e-6), "{node}");
+        }
+        let elements = fixture.mesh.elements.iter();
+        assert!(
+            mesh.elements()
+                .eq(elements.map(|element| element.map(|node| node as u16)))
+        );
+        for name in [MIDPLANE, DIAGONAL] {
+            let outline = model.node_set(name).unwrap();
+            let x: Vec<f64> = outline.iter().map(|node| fixture.mesh.nodes[node][0]).collect();
+            assert_eq!((x[0], x[x.len() - 1]), (1.0, -1.0));
+            assert!(x.is_sorted_by(|a, b| a > b), "{name}: {x:?}");
+        }
+    }
+}
