@@ -164,8 +164,8 @@ mod tests {
     use super::octahedron::octahedral;
     use super::*;
     use crate::LeftOut;
-    use crate::pod::tests::{motion, times};
     use crate::pod::Snapshots;
+    use crate::pod::tests::{motion, times};
     use crate::samples::State;
     use crate::{Storage, Truncation};
     use capsule_core::model::wire::{Method, Reference};
