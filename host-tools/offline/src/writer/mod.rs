@@ -164,8 +164,8 @@ mod tests {
     use super::octahedron::octahedral;
     use super::*;
     use crate::LeftOut;
+    use crate::pod::Snapshots;
     use crate::pod::tests::{motion, times};
-    use crate::pod::{DoublePod, Snapshots};
     use crate::samples::State;
     use crate::{Storage, Truncation};
     use capsule_core::model::wire::{Method, Reference};
@@ -178,12 +178,9 @@ mod tests {
     /// A model of one cluster of nine samples, and all that it was made from.
     pub(super) struct Fixture {
         pub(super) mesh: Mesh,
-        pub(super) symmetry: Symmetry,
         pub(super) owned: OwnedMesh,
         pub(super) parameters: Vec<[f64; 2]>,
         pub(super) states: Vec<[State; 2]>,
-        pub(super) snapshots: Snapshots,
-        pub(super) pod: DoublePod,
         pub(super) cluster: OwnedCluster,
         domain: Domain,
         settings: Settings,
@@ -234,12 +231,9 @@ mod tests {
             };
             Self {
                 mesh,
-                symmetry,
                 owned,
                 parameters,
                 states,
-                snapshots,
-                pod,
                 cluster,
                 domain,
                 settings,
