@@ -1,4 +1,5 @@
-//! The book: checks of its links, paths, figures, commands and code, then mdBook. A page is Markdown that a forge shows as it is.
+//! The book: checks of its links, paths, figures, commands and code, then mdBook. A page is Markdown that a forge shows
+//! as it is.
 
 mod commands;
 mod figures;
