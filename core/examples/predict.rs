@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let file = std::fs::read(MODEL)?;
     let model = Model::open(&file)?;
-    let mut workspace = Workspace::new();
+    let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace)?;
     // The model names the parameters of an error.
     evaluator

@@ -36,6 +36,8 @@ pub struct Instant<
 }
 
 impl<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize> Instant<'e, 'a, T, K, M, N, S> {
+    /// Inlined, so that the target is built in place and not copied on the stack.
+    #[inline(always)]
     pub(crate) fn new(target: Target<'a, T>, domain: Domain, workspace: &'e mut Workspace<T, K, M, N, S>) -> Self {
         Self {
             target,

@@ -115,7 +115,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
             return Err(EvaluateError::Weights { sum: sum.to_f32() });
         }
         for value in values {
-            *value = *value / sum;
+            *value /= sum;
         }
         Ok(())
     }

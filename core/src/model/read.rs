@@ -28,7 +28,6 @@ macro_rules! decode_fields {
             }
 
             #[cfg(feature = "write")]
-
             fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
                 let Self { $($field),+ } = self;
                 $($field.for_each_blob(visit);)+
@@ -190,7 +189,6 @@ impl<'a> Decode<'a> for Blob<'a> {
     }
 
     #[cfg(feature = "write")]
-
     fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
         visit(self);
     }
@@ -253,7 +251,6 @@ impl<'a, P: Decode<'a>, const N: usize> Decode<'a> for [P; N] {
     }
 
     #[cfg(feature = "write")]
-
     fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
         for part in self {
             part.for_each_blob(visit);
@@ -275,7 +272,6 @@ impl<'a, P: Decode<'a> + Default, const N: usize> Decode<'a> for Vec<P, N> {
     }
 
     #[cfg(feature = "write")]
-
     fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
         for part in self {
             part.for_each_blob(visit);
