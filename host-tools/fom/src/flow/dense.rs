@@ -1,4 +1,4 @@
-//! A dense matrix and its product with a vector: reading it from memory is what takes the time.
+//! A dense matrix and its product with a vector, whose time is that of reading the matrix from memory.
 
 use faer::Mat;
 use multiversion::multiversion;

@@ -30,7 +30,7 @@ use table::Table;
 use vtu::Snapshot;
 use weld::Weld;
 
-/// Reads the series of a folder, with warnings: what was taken otherwise than it stands in the files.
+/// Reads the series of a folder, with warnings of interpretations that differ from the text of the files.
 ///
 /// # Errors
 /// Missing, malformed and unsupported content, with its file, array, row or instant.
