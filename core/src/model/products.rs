@@ -210,7 +210,7 @@ impl MatrixView<'_> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::linalg::ProductScalar;
+    use crate::ProductScalar;
     use crate::model::panels::Layout;
     use crate::model::quantized::QuantizedVectors;
     use crate::model::wire::{Encoding, Matrix, Widths};
