@@ -1,7 +1,7 @@
 //! The legend of a panel's colours: a line of entries, or more, between the title and the axes, where they hide
 //! nothing.
 
-use crate::lines::Mark;
+use crate::mark::Mark;
 use crate::{MARGIN, SMALL, TEXT, text};
 use plotters::coord::Shift;
 use plotters::prelude::*;

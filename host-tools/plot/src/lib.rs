@@ -12,10 +12,12 @@ mod axis;
 mod cells;
 mod legend;
 mod lines;
+mod mark;
 
 pub use axis::Axis;
 pub use cells::Cells;
-pub use lines::{Curve, Lines, Mark};
+pub use lines::{Curve, Lines};
+pub use mark::Mark;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

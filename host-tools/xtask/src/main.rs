@@ -14,6 +14,7 @@ mod notices;
 mod package;
 mod scenes;
 mod setup;
+mod targets;
 mod test;
 mod wasm;
 

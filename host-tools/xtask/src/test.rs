@@ -2,7 +2,7 @@
 
 use crate::command::{command, command_in, run};
 use crate::setup::{self, Tool};
-use crate::{book, budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory};
+use crate::{book, budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory, targets};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -116,8 +116,8 @@ impl Stage {
                 let mut test = command("cargo test --workspace --test c");
                 for (variable, target) in [
                     ("CAPSULE_HOST_PACKAGE", &*host),
-                    ("CAPSULE_CORTEX_M_PACKAGE", package::CORTEX_M),
-                    ("CAPSULE_CORTEX_M33_PACKAGE", package::CORTEX_M33),
+                    ("CAPSULE_CORTEX_M_PACKAGE", targets::CORTEX_M),
+                    ("CAPSULE_CORTEX_M33_PACKAGE", targets::CORTEX_M33),
                 ] {
                     test.env(variable, package::folder(target)?);
                 }

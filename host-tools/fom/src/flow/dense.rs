@@ -5,8 +5,8 @@ use multiversion::multiversion;
 use multiversion::target::match_target;
 use rayon::prelude::*;
 
+use super::precision::Precision;
 use super::real::{Real, fused, total};
-use super::settings::Precision;
 use super::stokeslet::LANES;
 
 /// A matrix, row by row; each row is filled up with zeros to a multiple of [`LANES`].

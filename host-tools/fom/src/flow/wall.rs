@@ -14,7 +14,7 @@ use super::error::FlowError;
 use super::far::Units;
 use super::near::{NearTargets, TargetBlocks, transpose};
 use super::panel::{LoadedPanel, Panel, PanelRule};
-use super::settings::Precision;
+use super::precision::Precision;
 use super::stokeslet::{Sources, StokesletSums};
 use crate::symmetry::apply;
 
