@@ -152,7 +152,7 @@ fn linked(package: &str, target: &str) -> Result<BTreeSet<Crate>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::targets;
+    use crate::{package, targets};
 
     /// Cargo's own list of the linked crates.
     fn tree(package: &str, target: &str) -> BTreeSet<String> {
