@@ -3,6 +3,7 @@
 //!
 //! The page pays for what it asks: each method computes what it returns and nothing else.
 
+mod batch;
 mod evaluation;
 mod model;
 mod section;

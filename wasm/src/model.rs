@@ -194,6 +194,13 @@ impl Model {
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
+    /// Border where the solution jumps: a/l, Ca, a/l, Ca, ..., by rising a/l; empty where there is none.
+    #[wasm_bindgen(js_name = jumpBorder)]
+    pub fn jump_border(&self) -> Vec<f64> {
+        let rows = MatrixView::new(&self.shared.core().contents().border).pairs();
+        rows.flat_map(|row: [f64; 2]| row).collect()
+    }
+
     /// The parameters to suggest instead of ones outside: each moved into its range, and Ca below the steady limit
     /// where there is one, to a thousandth.
     pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {

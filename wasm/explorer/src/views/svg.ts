@@ -56,11 +56,6 @@ export function smoothLoop(
   return `${text}Z`;
 }
 
-/** The length that the figures are drawn in: half the channel's side, or the capsule's radius where there is no channel. */
-export function drawnUnit(): string {
-  return document.body.dataset.model === "other" ? "a" : "ℓ";
-}
-
 /** Diagonal hatching for what lies outside, as a fill: `url(#id)`. */
 export function hatch(parent: SVGSVGElement, id: string): string {
   const pattern = svg("pattern", { id, width: 6, height: 6, patternUnits: "userSpaceOnUse" }, svg("defs", {}, parent));

@@ -1,0 +1,97 @@
+import { contours } from "d3-contour";
+import type { Jobs } from "../app/jobs";
+import type { Method, Quantity } from "../app/schema";
+import type { Capsule } from "../model/capsule";
+import { written } from "../model/quantities";
+import type { Units } from "../model/units";
+
+/** Points of the grid along Ca and along a/l. */
+const COLUMNS = 48;
+const ROWS = 36;
+const LEVELS = 6;
+
+/** What a layer of the map shows. */
+export interface LayerQuestion {
+  readonly quantity: Quantity;
+  readonly method: Method;
+  readonly t: number;
+}
+
+/** A contour: its level, and rings of (place along Ca, place along a/l), both from 0 to 1 over the spans. */
+export interface Contour {
+  readonly level: number;
+  readonly label: string;
+  readonly rings: readonly (readonly (readonly [number, number])[])[];
+}
+
+/** Contours of a read-out over the sampled domain, computed in the gaps between frames. */
+export class MapLayer {
+  readonly #jobs: Jobs;
+  readonly #name: string;
+  readonly #onDone: () => void;
+  #key = "";
+  #contours: readonly Contour[] = [];
+
+  constructor(jobs: Jobs, name: string, onDone: () => void) {
+    this.#jobs = jobs;
+    this.#name = name;
+    this.#onDone = onDone;
+  }
+
+  /** The contours as far as they are known: none until the whole grid is. */
+  get contours(): readonly Contour[] {
+    return this.#contours;
+  }
+
+  ask(capsule: Capsule, question: LayerQuestion | undefined, units: Units): void {
+    const key = JSON.stringify([capsule.model.digest, question, units]);
+    if (key === this.#key) return;
+    this.#key = key;
+    this.#contours = [];
+    if (question === undefined) this.#jobs.stop(this.#name);
+    else this.#jobs.start(this.#name, this.#compute(capsule, question, units));
+  }
+
+  *#compute(capsule: Capsule, { quantity, method, t }: LayerQuestion, units: Units): Generator<void> {
+    const [caLeast = 0, caMost = 1, least = 0, most = 1] = capsule.model.ranges();
+    const values: number[] = [];
+    for (let row = 0; row < ROWS; row++) {
+      const confinement = least + ((most - least) * row) / (ROWS - 1);
+      const sets = Float64Array.from({ length: 2 * COLUMNS }, (_, i) =>
+        i % 2 === 0 ? caLeast + ((caMost - caLeast) * (i / 2)) / (COLUMNS - 1) : confinement,
+      );
+      values.push(...capsule.grid("layer", quantity, sets, t, method));
+      yield;
+    }
+    const known = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
+    const at = (share: number) => known[Math.round(share * (known.length - 1))] ?? 0;
+    const levels = [...new Set(niceLevels(at(0.02), at(0.98)))];
+    const trace = contours().size([COLUMNS, ROWS]).smooth(true);
+    this.#contours = levels.map((level) => ({
+      level,
+      label: written(quantity, level, units).replace(/0+$/, "").replace(/\.$/, ""),
+      rings: trace
+        .contour(
+          values.map((value) => (Number.isNaN(value) ? -Infinity : value)),
+          level,
+        )
+        .coordinates.flatMap((polygon) =>
+          polygon.map((ring) =>
+            ring.map(([x = 0, y = 0]) => [(x - 0.5) / (COLUMNS - 1), (y - 0.5) / (ROWS - 1)] as const),
+          ),
+        ),
+    }));
+    this.#onDone();
+  }
+}
+
+/** Round levels between two values. */
+function niceLevels(least: number, most: number): number[] {
+  const raw = (most - least) / LEVELS;
+  if (!(raw > 0)) return [];
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= raw) ?? 10);
+  const levels: number[] = [];
+  for (let i = Math.ceil(least / step); i * step <= most; i++) levels.push(Number((i * step).toPrecision(10)));
+  return levels;
+}
