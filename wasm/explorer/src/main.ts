@@ -1,4 +1,3 @@
-import "@fontsource-variable/ibm-plex-sans/wght.css";
 import "./style/theme.css";
 import "./style/controls.css";
 import "./style/map.css";

@@ -16,6 +16,9 @@ export class Compare implements ViewPart {
   readonly #table: HTMLElement;
   readonly #pin: HTMLButtonElement;
   #resting = 0;
+  /** The answers that the distances are of, and these once they are known. */
+  #compared: readonly (Answer | undefined)[] = [];
+  #far: readonly (Distance | undefined)[] | undefined;
 
   constructor(root: Root, store: Store) {
     this.#store = store;
@@ -29,14 +32,22 @@ export class Compare implements ViewPart {
     const { pins } = context.state;
     this.#pin.disabled = pins.length === PIN_NAMES.length || traces[0]?.answer === undefined;
     this.#figure.hidden = pins.length === 0;
-    window.clearTimeout(this.#resting);
     if (pins.length === 0) {
       this.#table.replaceChildren();
+      this.#compared = [];
       return;
     }
-    this.#write(traces, context, undefined);
-    if (context.state.playing) return;
-    this.#resting = window.setTimeout(() => this.#write(traces, context, distances(traces)), REST_MS);
+    const answers = traces.map(({ answer }) => answer);
+    if (answers.length !== this.#compared.length || answers.some((answer, i) => answer !== this.#compared[i])) {
+      this.#compared = answers;
+      this.#far = undefined;
+      window.clearTimeout(this.#resting);
+      this.#resting = window.setTimeout(() => {
+        this.#far = distances(traces);
+        this.#write(traces, context, this.#far);
+      }, REST_MS);
+    }
+    this.#write(traces, context, this.#far);
   }
 
   #add(): void {

@@ -85,7 +85,7 @@ export class Readouts implements ViewPart {
   #show(answer: Answer, radius: number, units: Units): void {
     const extrapolated = answer.validity.kind === "extrapolated";
     this.#markExtrapolated(extrapolated);
-    this.#uncertain.hidden = !answer.isUncertain;
+    this.#uncertain.hidden = extrapolated || !answer.isUncertain;
     for (const [quantity, { output, unit }] of this.#rows) {
       const value = answer.read(quantity);
       unit.toggleAttribute("hidden", value === undefined);

@@ -2,11 +2,11 @@ import { contours } from "d3-contour";
 import type { Jobs } from "../app/jobs";
 import type { Method, Quantity } from "../app/schema";
 import type { Capsule } from "../model/capsule";
-import { written } from "../model/quantities";
+import { ERRORS, written } from "../model/quantities";
 import type { Units } from "../model/units";
 
-/** Points of the grid along Ca and along a/l. */
-const COLUMNS = 48;
+/** Points of the grid along the root of Ca, where the motion changes evenly, and along a/l. */
+const COLUMNS = 56;
 const ROWS = 36;
 const LEVELS = 6;
 
@@ -17,9 +17,8 @@ export interface LayerQuestion {
   readonly t: number;
 }
 
-/** A contour: its level, and rings of (place along Ca, place along a/l), both from 0 to 1 over the spans. */
+/** The region above a level: rings of (Ca, a/l). */
 export interface Contour {
-  readonly level: number;
   readonly label: string;
   readonly rings: readonly (readonly (readonly [number, number])[])[];
 }
@@ -54,35 +53,40 @@ export class MapLayer {
 
   *#compute(capsule: Capsule, { quantity, method, t }: LayerQuestion, units: Units): Generator<void> {
     const [caLeast = 0, caMost = 1, least = 0, most = 1] = capsule.model.ranges();
+    const [from, to] = [Math.sqrt(caLeast), Math.sqrt(caMost)];
+    const caAt = (column: number) => (from + ((to - from) * column) / (COLUMNS - 1)) ** 2;
+    const confinementAt = (row: number) => least + ((most - least) * row) / (ROWS - 1);
     const values: number[] = [];
     for (let row = 0; row < ROWS; row++) {
-      const confinement = least + ((most - least) * row) / (ROWS - 1);
       const sets = Float64Array.from({ length: 2 * COLUMNS }, (_, i) =>
-        i % 2 === 0 ? caLeast + ((caMost - caLeast) * (i / 2)) / (COLUMNS - 1) : confinement,
+        i % 2 === 0 ? caAt(i / 2) : confinementAt(row),
       );
       values.push(...capsule.grid("layer", quantity, sets, t, method));
       yield;
     }
     const known = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
     const at = (share: number) => known[Math.round(share * (known.length - 1))] ?? 0;
-    const levels = [...new Set(niceLevels(at(0.02), at(0.98)))];
-    const trace = contours().size([COLUMNS, ROWS]).smooth(true);
+    const levels = ERRORS.has(quantity) ? series(at(0.02), at(0.98)) : niceLevels(at(0.02), at(0.98));
+    const trace = contours().size([COLUMNS, ROWS]);
+    const outside = values.map((value) => (Number.isNaN(value) ? Number.NEGATIVE_INFINITY : value));
     this.#contours = levels.map((level) => ({
-      level,
-      label: written(quantity, level, units).replace(/0+$/, "").replace(/\.$/, ""),
+      label: written(quantity, level, units).replace(/\.?0+$/, ""),
       rings: trace
-        .contour(
-          values.map((value) => (Number.isNaN(value) ? -Infinity : value)),
-          level,
-        )
-        .coordinates.flatMap((polygon) =>
-          polygon.map((ring) =>
-            ring.map(([x = 0, y = 0]) => [(x - 0.5) / (COLUMNS - 1), (y - 0.5) / (ROWS - 1)] as const),
-          ),
-        ),
+        .contour(outside, level)
+        .coordinates.flat()
+        .map((ring) => ring.map(([x = 0, y = 0]) => [caAt(x - 0.5), confinementAt(y - 0.5)] as const)),
     }));
     this.#onDone();
   }
+}
+
+/** 1, 2, 5, 10, ... between two positive values: errors differ by orders of magnitude. */
+function series(least: number, most: number): number[] {
+  const levels: number[] = [];
+  for (let power = Math.floor(Math.log10(least)); power <= Math.log10(most); power++) {
+    levels.push(...[1, 2, 5].map((factor) => Number((factor * 10 ** power).toPrecision(1))));
+  }
+  return levels.filter((level) => least <= level && level <= most);
 }
 
 /** Round levels between two values. */

@@ -162,38 +162,26 @@ export class ParameterMap implements ViewPart {
     this.#drawLayer();
   }
 
-  /** Contours of the layer, each with its level where it is highest. */
+  /** The regions above the levels of the layer, laid over one another, each with its level on its longest ring. */
   #drawLayer(): void {
     if (this.contours === this.#contoured) return;
     this.#contoured = this.contours;
     const { caRange, confinementRange } = this.#domain;
-    const at = ([u, v]: readonly [number, number]) =>
-      [
-        this.#toX(caRange[0] + u * (caRange[1] - caRange[0])),
-        this.#toY(confinementRange[0] + v * (confinementRange[1] - confinementRange[0])),
-      ] as const;
-    const isInside = ([u, v]: readonly [number, number]) => u > 0.004 && u < 0.996 && v > 0.004 && v < 0.996;
-    const parts = this.contours.flatMap(({ label: name, rings }): Element[] => {
-      let d = "";
-      let top: readonly [number, number] | undefined;
-      for (const ring of rings) {
-        let isDrawing = false;
-        for (const point of ring) {
-          const [x, y] = at(point);
-          // The grid's border closes the rings: it is no contour.
-          d += isInside(point) ? `${isDrawing ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}` : "";
-          isDrawing = isInside(point);
-          if (isDrawing && (top === undefined || y < top[1])) top = [x, y];
-        }
-      }
-      if (top === undefined) return [];
-      const [x, y] = top;
-      return [
-        svg("path", { class: "contour", d }),
-        written(svg("text", { class: "level", x: x + 3, y: y + 11 }), name),
-      ];
+    const at = ([ca, confinement]: readonly [number, number]) =>
+      [this.#toX(clamp(ca, ...caRange)), this.#toY(clamp(confinement, ...confinementRange))] as const;
+    const labels: Element[] = [];
+    const regions = this.contours.map(({ label: name, rings }) => {
+      const drawn = rings.map((ring) => ring.map(at));
+      const longest = drawn.reduce((a, b) => (b.length > a.length ? b : a), drawn[0] ?? []);
+      const [x, y] = longest[longest.length >> 1] ?? [0, 0];
+      if (longest.length > 8)
+        labels.push(written(svg("text", { class: "level", x, y: y + 4, "text-anchor": "middle" }), name));
+      const d = drawn
+        .map((ring) => `M${ring.map(([px, py]) => `${px.toFixed(1)} ${py.toFixed(1)}`).join("L")}Z`)
+        .join("");
+      return svg("path", { class: "contour", d, "fill-rule": "evenodd" });
     });
-    this.#layer.replaceChildren(...parts);
+    this.#layer.replaceChildren(...regions, ...labels);
   }
 
   readonly #toX = (ca: number) => {
@@ -245,8 +233,8 @@ export class ParameterMap implements ViewPart {
     parts.push(svg("path", { d: `M${left} ${top}V${bottom}H${right}`, fill: "none" }));
     const steps = { ca: (this.#caSpan[1] > 0.3 ? 2 : 1) * 0.05, confinement: 0.1 };
     const regular = ticks(...this.#caSpan, steps.ca);
-    const decades = [0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5].filter((ca) => holds(this.#caSpan, ca));
-    for (const ca of this.#scale === "linear" ? regular : decades) {
+    const marks = { linear: regular, root: [0, 0.01, 0.05, ...regular], log: [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5] };
+    for (const ca of new Set(marks[this.#scale].filter((value) => holds(this.#caSpan, value)))) {
       parts.push(svg("line", { x1: toX(ca), x2: toX(ca), y1: bottom, y2: bottom + 4 }));
       parts.push(written(svg("text", { x: toX(ca), y: bottom + 17, "text-anchor": "middle" }), label(ca)));
     }
