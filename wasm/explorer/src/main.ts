@@ -6,6 +6,7 @@ import "./style/panels.css";
 import "./style/time.css";
 import "./style/layout.css";
 import "./style/model.css";
+import "./style/sheets.css";
 import { Explorer, type Options } from "./app/explorer";
 import type { State } from "./app/schema";
 

@@ -1,13 +1,16 @@
 import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
 import { fetchModel, loadModule, ModelError, openFile } from "../model/load";
+import { tieHelp } from "../panels/keys";
 import { describe } from "../panels/model-card";
 import { tieParameters } from "../panels/parameters";
+import { TakeAway } from "../panels/take-away";
 import { Address } from "./address";
 import { button, html, Root } from "./dom";
 import { fromFragment, type Link, toFragment } from "./link";
 import markup from "./markup.html?raw";
 import { DEFAULT_STATE, type State } from "./schema";
+import { fromSession, toSession } from "./session";
 import { Store } from "./store";
 import { Workbench } from "./workbench";
 
@@ -56,6 +59,13 @@ export class Explorer {
         (fragment) => this.#follow(fragment),
       );
     }
+    tieHelp(this.root, () => this.workbench.recolour());
+    new TakeAway(this.root, {
+      shown: () => this.workbench.shown,
+      link: () => new URL(this.fragment(), window.location.href).href,
+      session: () => toSession(this.fragment()),
+      picture: () => this.workbench.picture(),
+    });
     this.#takeFiles();
     this.#tieCopy();
     const address = new URL(model ?? SHIPPED, window.location.href);
@@ -71,9 +81,18 @@ export class Explorer {
     return toFragment(this.store.state, { isChannel: capsule.has("channel"), digest, file: capsule.file });
   }
 
-  /** Opens a file of the user's. */
+  /** Opens a file of the user's: a model, or a saved session. */
   async open(file: File): Promise<void> {
-    await this.#show(openFile(file));
+    if (!file.name.endsWith(".json")) {
+      await this.#show(openFile(file));
+      return;
+    }
+    try {
+      this.#follow(await fromSession(file));
+      this.#resume();
+    } catch (error) {
+      this.#fail(error);
+    }
   }
 
   /** Shows a model, or why there is none, unless something else was asked for in the meantime. */

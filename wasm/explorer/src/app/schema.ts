@@ -140,6 +140,14 @@ const views: Field<ReadonlySet<View>> = {
   check: (value) => value instanceof Set && [...value].every((view) => VIEWS.includes(view)),
 };
 
+/** Channel's side in um, viscosity in mPa s, surface shear modulus in mN/m; empty: numbers without dimension. */
+const dimensions: Field<readonly number[]> = {
+  ...parameters,
+  key: "dims",
+  check: (values) => (values.length === 0 || values.length === 3) && values.every((v) => Number.isFinite(v) && v > 0),
+  model: "channel",
+};
+
 /** `A:direct:0.1,0.9;B:paper!:0.2,0.9`: the exclamation mark allows extrapolation. */
 const pins: Field<readonly Pin[]> = {
   ...COMMON,
@@ -190,6 +198,7 @@ export const FIELDS = {
   scale: oneOf("scale", SCALES, "linear", { model: "channel" }),
   samples: flag("samples", true, { model: "channel" }),
   along: oneOf("along", ALONG, "time"),
+  dimensions,
 } as const;
 
 type Value<F> = F extends Field<infer T> ? T : never;

@@ -1,5 +1,6 @@
 import type { Capsule } from "../model/capsule";
 import { type ErrorMeaning, errorMeaning } from "../model/errors";
+import { physicalUnits } from "../model/units";
 import { makeParts, type Parts } from "../views/registry";
 import type { Context, Trace } from "../views/view";
 import type { Root } from "./dom";
@@ -49,6 +50,16 @@ export class Workbench {
     dataset.model = capsule.has("channel") ? "channel" : "other";
     dataset.outlines = String(capsule.has("outlines"));
     this.#request();
+  }
+
+  /** Takes the theme's colours anew. */
+  recolour(): void {
+    this.#parts.solid.recolour();
+  }
+
+  /** The picture of the space view; undefined where there is none. */
+  picture(): HTMLCanvasElement | undefined {
+    return this.#parts.solid.picture();
   }
 
   get capsule(): Capsule | undefined {
@@ -122,7 +133,9 @@ export class Workbench {
   #context(capsule: Capsule, state: State): Context {
     const shows = (view: View) =>
       state.views.has(view) && this.#parts.views[view].needs.every((need) => capsule.has(need));
-    return { state, capsule, units: capsule.units, errors: this.#errors, shows };
+    const isPhysical = capsule.has("channel") && state.dimensions.length > 0 && state.ca > 0;
+    const units = isPhysical ? physicalUnits(state.dimensions, state.ca) : capsule.units;
+    return { state, capsule, units, errors: this.#errors, shows };
   }
 
   #mark(kind: "given" | "extrapolated" | "refused"): void {

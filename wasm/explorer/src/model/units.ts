@@ -5,7 +5,7 @@ export interface Unit {
   readonly name: string;
   /** As it is written where a screen reader or a file meets it. */
   readonly plain: string;
-  /** What one of the model's units is in this one. */
+  /** One of the model's units in this one. */
   readonly factor: number;
 }
 
@@ -34,11 +34,28 @@ export function unitsOf(model: Pick<Model, "isChannel" | "units">): Units {
     };
   }
   const [length = "", velocity = "", time = ""] = model.units();
+  return { length: unit(length), velocity: unit(velocity), time: unit(time), drawn: unit("a"), fixedDigits: false };
+}
+
+/** l in um, from the channel's side in um. */
+export function lengthScale([side = 1]: readonly number[]): number {
+  return side / 2;
+}
+
+/** V = Ca G_s / mu in mm/s, from the viscosity in mPa s and the surface shear modulus in mN/m. */
+export function velocityScale([, viscosity = 1, modulus = 1]: readonly number[], ca: number): number {
+  return (1000 * ca * modulus) / viscosity;
+}
+
+/** The units of an experiment with a capsule in the channel: side in um, viscosity in mPa s, modulus in mN/m. */
+export function physicalUnits(dimensions: readonly number[], ca: number): Units {
+  const [length, velocity] = [lengthScale(dimensions), velocityScale(dimensions, ca)];
   return {
-    length: unit(length),
-    velocity: unit(velocity),
-    time: unit(time),
-    drawn: unit("a"),
+    length: unit("µm", "um", length),
+    velocity: unit("mm/s", "mm/s", velocity),
+    // um / (mm/s) is a millisecond.
+    time: unit("ms", "ms", length / velocity),
+    drawn: unit("µm", "um", length),
     fixedDigits: false,
   };
 }

@@ -28,6 +28,7 @@ export class TimeAxis implements ViewPart {
   #width = 0;
   #height = 0;
   #end = 0;
+  #factor = 1;
   #top = 22;
   /** The curves on screen, and how far they were computed when they were drawn. */
   #shown: readonly Course[] = [];
@@ -69,16 +70,22 @@ export class TimeAxis implements ViewPart {
   draw(traces: readonly Trace[], context: Context): void {
     this.#drawn = [traces, context];
     const { state, units } = context;
-    if (state.end !== this.#end && this.#width > 0) {
+    if ((state.end !== this.#end || units.time.factor !== this.#factor) && this.#width > 0) {
       this.#end = state.end;
+      this.#factor = units.time.factor;
       this.#input.max = String(state.end);
       this.#layOut();
     }
     this.#shown = traces.map(({ name, query }) => this.#courses.alongTime(name, query, state.trace, 1));
     if (this.#input.valueAsNumber !== state.t) this.#input.valueAsNumber = state.t;
-    this.#input.ariaValueText = `${state.t.toFixed(timeDigits(state.end))} ${units.time.plain}`;
+    this.#input.ariaValueText = `${writtenTime(state.t, state.end, units)} ${units.time.plain}`;
     if (this.#width === 0) return;
-    const key = [state.trace, traces.map(({ query }) => JSON.stringify(query)).join(), this.#progress()].join();
+    const key = [
+      state.trace,
+      JSON.stringify(units),
+      traces.map(({ query }) => JSON.stringify(query)).join(),
+      this.#progress(),
+    ].join();
     if (key !== this.#drawnKey) {
       this.#drawnKey = key;
       this.#drawCurves(traces, context);
@@ -100,13 +107,14 @@ export class TimeAxis implements ViewPart {
   #layOut(): void {
     const bottom = this.#height - AXIS;
     set(this.#svg, { viewBox: `0 0 ${this.#width} ${this.#height}` });
-    // A tick at each whole l/V of 20.
-    const whole = 10 ** Math.floor(Math.log10(this.#end / 10));
+    // A tick at each whole l/V of 20; in other units, at as round a number.
+    const end = this.#end * this.#factor;
+    const whole = 10 ** Math.floor(Math.log10(end / 10) + 1e-9);
     const step = this.#width > 480 ? whole : 5 * whole;
     const every = this.#width > 760 ? 2 : 5;
     const parts: Element[] = [svg("path", { d: `M${INSET} ${bottom}H${this.#width - INSET}`, fill: "none" })];
-    for (const t of ticks(0, this.#end, step)) {
-      const x = this.#toX(t);
+    for (const t of ticks(0, end, step)) {
+      const x = this.#toX(t / this.#factor);
       const named = Math.round(t / whole) % every === 0;
       parts.push(svg("line", { x1: x, x2: x, y1: bottom, y2: bottom + (named ? 5 : 3) }));
       if (named) {
@@ -166,6 +174,11 @@ export class TimeAxis implements ViewPart {
     const [least, most] = found.map((value) => written(state.trace, value, units));
     return `${title}, ${least} to ${most} ${unitOf(state.trace, units).name}`;
   }
+}
+
+/** An instant in the units shown, to digits that tell instants apart. */
+export function writtenTime(t: number, end: number, { time: { factor } }: Units): string {
+  return (t * factor).toFixed(timeDigits(end * factor));
 }
 
 /** Digits after the point that tell instants apart: hundredths of 20 l/V. */

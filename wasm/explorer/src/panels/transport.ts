@@ -1,8 +1,9 @@
 import { button, html, type Root } from "../app/dom";
 import { SPEEDS, type State, VIEWS, type View } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Units } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
-import { stepped, timeDigits } from "./time-axis";
+import { stepped, timeDigits, writtenTime } from "./time-axis";
 
 const VIEW_NAMES: Record<View, string> = {
   solid: "3D",
@@ -24,6 +25,7 @@ export class Transport implements ViewPart {
   readonly #speed: HTMLSelectElement;
   readonly #section: HTMLInputElement;
   readonly #initial: HTMLInputElement;
+  #units: Units | undefined;
   readonly #views: Map<View, HTMLButtonElement>;
 
   constructor(root: Root, store: Store) {
@@ -48,7 +50,10 @@ export class Transport implements ViewPart {
   draw([live]: readonly Trace[], { state, units }: Context): void {
     this.#play.ariaPressed = String(state.playing);
     this.#play.ariaLabel = state.playing ? "Pause" : "Play";
-    this.#time.max = String(state.end);
+    this.#units = units;
+    this.#time.max = String(state.end * units.time.factor);
+    this.#time.step = String(10 ** -(timeDigits(state.end * units.time.factor) - 1));
+    this.#time.ariaLabel = `Time, in ${units.time.plain}`;
     if (document.activeElement !== this.#time) this.#writeTime(state);
     this.#time.dataset.value = String(state.t);
     this.#root.part("time-unit", HTMLElement).textContent = units.time.name;
@@ -64,7 +69,7 @@ export class Transport implements ViewPart {
     this.#speed.value = String(state.speed);
     const plane = this.#root.part("transversal-plane", HTMLElement);
     plane.innerHTML = '<i class="symbol">x</i> = <i class="symbol">X</i><sub>c</sub> ';
-    plane.append(`${signed(state.section)} ${units.drawn.name}`);
+    plane.append(`${signed(state.section * units.drawn.factor)} ${units.drawn.name}`);
     for (const [view, toggle] of this.#views) toggle.ariaPressed = String(state.views.has(view));
   }
 
@@ -77,18 +82,20 @@ export class Transport implements ViewPart {
   /** A number beyond the model's time goes to its end, and is marked while it stands in the field. */
   #tieTime(): void {
     this.#time.addEventListener("input", () => {
-      const wanted = this.#time.valueAsNumber;
+      const wanted = this.#time.valueAsNumber / (this.#units?.time.factor ?? 1);
       if (!Number.isFinite(wanted)) return;
       const t = Math.min(Math.max(wanted, 0), this.#store.state.end);
       this.#time.ariaInvalid = String(t !== wanted);
-      this.#time.title = t === wanted ? "" : `The model ends at ${this.#store.state.end}: this is that instant`;
+      const { end } = this.#store.state;
+      const last = this.#units === undefined ? "" : writtenTime(end, end, this.#units);
+      this.#time.title = t === wanted ? "" : `The model ends at ${last}: this is that instant`;
       this.#store.set({ t, playing: false });
     });
     this.#time.addEventListener("blur", () => this.#writeTime(this.#store.state));
   }
 
   #writeTime({ t, end }: State): void {
-    this.#time.value = t.toFixed(timeDigits(end));
+    this.#time.value = this.#units === undefined ? "" : writtenTime(t, end, this.#units);
     this.#time.ariaInvalid = "false";
     this.#time.title = "";
   }

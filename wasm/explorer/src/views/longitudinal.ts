@@ -1,7 +1,7 @@
 import type { Root } from "../app/dom";
 import type { Outline } from "../model/answer";
 import type { Need } from "../model/capsule";
-import { hatch, label, onResize, set, smoothLoop, svg } from "./svg";
+import { hatch, label, onResize, set, smoothLoop, svg, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 /** Half of what is seen across the channel: the same in both sections, so that they are drawn to one scale. */
@@ -30,6 +30,7 @@ export class Longitudinal implements ViewPart {
   #width = 0;
   #height = 0;
   #left = 0;
+  #factor = 1;
   /** The whole x that the ticks begin at, and all else that they depend on. */
   #ticked = "";
   #drawn: readonly [readonly Trace[], Context] | undefined;
@@ -68,6 +69,10 @@ export class Longitudinal implements ViewPart {
 
   draw(traces: readonly Trace[], context: Context): void {
     this.#drawn = [traces, context];
+    if (context.units.drawn.factor !== this.#factor) {
+      this.#factor = context.units.drawn.factor;
+      if (this.#width > 0) this.#layOut();
+    }
     this.#redraw();
   }
 
@@ -114,7 +119,7 @@ export class Longitudinal implements ViewPart {
       const y = this.#toY(r);
       parts.push(svg("line", { x1: AXIS_WIDTH - 4, x2: AXIS_WIDTH, y1: y, y2: y }));
       const text = svg("text", { x: AXIS_WIDTH - 7, y: y + 4, "text-anchor": "end" });
-      text.textContent = label(r);
+      text.textContent = label(tidy(r * this.#factor));
       parts.push(text);
     }
     this.#axis.replaceChildren(...parts);
@@ -165,7 +170,7 @@ export class Longitudinal implements ViewPart {
       "patternTransform",
       `translate(${(-this.#left * this.#scale).toFixed(2)} 0) rotate(45)`,
     );
-    const key = [first, laboratory, units.drawn.name].join(" ");
+    const key = [first, laboratory, units.drawn.name, units.drawn.factor].join(" ");
     if (key === this.#ticked) return;
     this.#ticked = key;
     const bottom = this.#height - AXIS_HEIGHT;
@@ -174,7 +179,7 @@ export class Longitudinal implements ViewPart {
       const x = AXIS_WIDTH + i * this.#scale;
       parts.push(svg("line", { x1: x, x2: x, y1: bottom, y2: bottom + 4 }));
       const text = svg("text", { x, y: bottom + 16, "text-anchor": "middle" });
-      text.textContent = label(first + i);
+      text.textContent = label(tidy((first + i) * units.drawn.factor));
       parts.push(text);
     }
     this.#ticks.replaceChildren(...parts);

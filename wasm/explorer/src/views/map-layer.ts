@@ -2,8 +2,9 @@ import { contours } from "d3-contour";
 import type { Jobs } from "../app/jobs";
 import type { Method, Quantity } from "../app/schema";
 import type { Capsule } from "../model/capsule";
-import { ERRORS, written } from "../model/quantities";
+import { ERRORS, unitOf } from "../model/quantities";
 import type { Units } from "../model/units";
+import { label, tidy } from "./svg";
 
 /** Points of the grid along the root of Ca, where the motion changes evenly, and along a/l. */
 const COLUMNS = 56;
@@ -66,13 +67,15 @@ export class MapLayer {
     }
     const known = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
     const at = (share: number) => known[Math.round(share * (known.length - 1))] ?? 0;
-    const levels = ERRORS.has(quantity) ? series(at(0.02), at(0.98)) : niceLevels(at(0.02), at(0.98));
+    const { factor } = unitOf(quantity, units);
+    const [low, high] = [at(0.02) * factor, at(0.98) * factor];
+    const levels = ERRORS.has(quantity) ? series(low, high) : niceLevels(low, high);
     const trace = contours().size([COLUMNS, ROWS]);
     const outside = values.map((value) => (Number.isNaN(value) ? Number.NEGATIVE_INFINITY : value));
     this.#contours = levels.map((level) => ({
-      label: written(quantity, level, units).replace(/\.?0+$/, ""),
+      label: label(tidy(level)),
       rings: trace
-        .contour(outside, level)
+        .contour(outside, level / factor)
         .coordinates.flat()
         .map((ring) => ring.map(([x = 0, y = 0]) => [caAt(x - 0.5), confinementAt(y - 0.5)] as const)),
     }));

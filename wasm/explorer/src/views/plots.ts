@@ -4,7 +4,7 @@ import type { Store } from "../app/store";
 import type { Need } from "../model/capsule";
 import { nameOf, PRESENTATION, resolution, unitOf } from "../model/quantities";
 import { type Course, type Courses, extremes, pieces } from "./courses";
-import { label, onResize, path, set, svg, ticks } from "./svg";
+import { label, onResize, path, set, svg, ticks, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 const INSET = { left: 46, right: 8, top: 20, bottom: 20 };
@@ -85,7 +85,7 @@ class Plot {
       return along === "time" ? Math.sqrt(Math.max(share, 0)) : share;
     };
     const toX = (at: number) => INSET.left + place(at) * (width - INSET.left - INSET.right);
-    const key = [along, width, height, context.units.length.name, ...courses.map(({ done }) => done)].join();
+    const key = [along, width, height, JSON.stringify(context.units), ...courses.map(({ done }) => done)].join();
     const queries = JSON.stringify(traces.map(({ query }) => query));
     if (key + queries !== this.#key) {
       this.#key = key + queries;
@@ -126,6 +126,7 @@ class Plot {
     along: Along,
     { units }: Context,
   ): void {
+    const scale = along === "time" ? units.time.factor : 1;
     const bottom = height - INSET.bottom;
     const { name, factor } = unitOf(this.quantity, units);
     const title = svg("text", { class: "axis-name", x: INSET.left, y: 12 });
@@ -149,7 +150,7 @@ class Plot {
       along === "time" ? [0, 0.05, 0.25, 1].map((share) => share * to) : ticks(from, to, niceStep(to - from, 3));
     for (const at of marks) {
       parts.push(svg("line", { x1: toX(at), x2: toX(at), y1: bottom, y2: bottom + 4 }));
-      text(label(Number(at.toPrecision(6))), {
+      text(label(tidy(at * scale)), {
         x: toX(at),
         y: bottom + 16,
         "text-anchor": at === to ? "end" : "middle",

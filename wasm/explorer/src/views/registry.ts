@@ -2,6 +2,7 @@ import type { Root } from "../app/dom";
 import type { Jobs } from "../app/jobs";
 import type { View } from "../app/schema";
 import type { Store } from "../app/store";
+import { Calculator } from "../panels/calculator";
 import { Compare } from "../panels/compare";
 import { MapChoices } from "../panels/map-choices";
 import { Notice } from "../panels/notice";
@@ -24,17 +25,21 @@ export interface Parts {
   /** What is always on screen, in the order in which it is drawn. */
   readonly panels: readonly ViewPart[];
   readonly courses: Courses;
+  /** The space view, for what only it can do. */
+  readonly solid: SolidView;
 }
 
 /** Makes the parts of an explorer. `redraw` asks for another frame. */
 export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => void): Parts {
   const courses = new Courses(jobs, redraw);
   const onSection = (section: number) => store.set({ section: Math.min(5, Math.max(-5, section)) });
+  const solid = new SolidView(root);
   const map = new ParameterMap(root, (point) => store.set({ ...point, extrapolate: false }));
   return {
     courses,
+    solid,
     views: {
-      solid: new SolidView(root),
+      solid,
       midplane: new Longitudinal(root, "midplane", onSection),
       diagonal: new Longitudinal(root, "diagonal", onSection),
       transversal: new Transversal(root),
@@ -49,6 +54,7 @@ export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => vo
       new TimeAxis(root, store, courses),
       new Transport(root, store),
       new Compare(root, store),
+      new Calculator(root, store),
     ],
   };
 }

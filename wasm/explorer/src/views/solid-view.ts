@@ -19,7 +19,6 @@ export class SolidView implements ViewPart {
   constructor(root: Root) {
     this.#stage = root.part("solid", HTMLElement);
     root.part("reset-camera", HTMLButtonElement).addEventListener("click", () => this.#made?.resetCamera());
-    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
   }
 
   draw(traces: readonly Trace[], context: Context): void {
@@ -116,6 +115,7 @@ function sceneOf(traces: readonly Trace[], context: Context): SolidScene | undef
     initial: start?.surface(),
     initialShift: (start?.centroid ?? 0) - live.centroid,
     origin: laboratory ? live.centroid : 0,
+    factor: context.units.drawn.factor,
     cuts,
   };
 }

@@ -17,7 +17,7 @@ import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { Channel, fadeOut, REACH } from "./channel";
-import { label, onResize } from "./svg";
+import { label, onResize, tidy } from "./svg";
 import type { Trace } from "./view";
 
 export type Cut = "midplane" | "diagonal" | "transversal";
@@ -38,8 +38,9 @@ export interface SolidScene {
   /** Vertices of the live one at t = 0, where they are to be shown, and where its centroid was. */
   readonly initial: Float32Array | undefined;
   readonly initialShift: number;
-  /** Axial position that the channel's rings are numbered from. */
+  /** Axial position that the channel's rings are numbered from, and what one of the drawn length is in their unit. */
   readonly origin: number;
+  readonly factor: number;
   /** Curves on the membrane where the open section planes cut it. */
   readonly cuts: readonly { readonly plane: Cut; readonly points: Float32Array }[];
 }
@@ -73,6 +74,7 @@ export class Solid {
   #width = 1;
   #height = 1;
   #origin = 0;
+  #factor = 1;
 
   /** Throws when the browser has no WebGL. */
   constructor(stage: HTMLElement, { lost, restored }: ContextListener) {
@@ -207,6 +209,7 @@ export class Solid {
       line.visible = true;
     }
     this.#origin = scene.origin;
+    this.#factor = scene.factor;
     this.#channel.moveTo(scene.origin);
   }
 
@@ -300,7 +303,7 @@ export class Solid {
       }
       const x = first + i;
       at.set(x - this.#origin, -1.02, -1.13).project(this.#camera);
-      span.textContent = label(x);
+      span.textContent = label(tidy(x * this.#factor));
       span.style.opacity = String(Math.abs(at.x) < 1 && Math.abs(at.y) < 1 ? fadeOut(x - this.#origin) : 0);
       const [left, top] = [((at.x + 1) * width) / 2, ((1 - at.y) * this.#height) / 2];
       span.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;

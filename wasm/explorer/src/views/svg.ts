@@ -80,6 +80,11 @@ export function ticks(from: number, to: number, step: number): number[] {
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
+/** A number to the digits that an axis needs. */
+export function tidy(value: number): number {
+  return Number(value.toPrecision(4));
+}
+
 /** A number with a true minus sign. */
 export function label(value: number): string {
   return String(value).replace("-", "−");

@@ -1,6 +1,6 @@
 import type { Root } from "../app/dom";
 import type { Need } from "../model/capsule";
-import { hatch, label, onResize, path, set, svg } from "./svg";
+import { hatch, label, onResize, path, set, svg, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 const HALF_EXTENT = 1.16;
@@ -19,6 +19,7 @@ export class Transversal implements ViewPart {
   readonly #fill: string;
   #size = 0;
   #unit = "";
+  #factor = 1;
   #drawn: readonly [readonly Trace[], Context] | undefined;
 
   constructor(root: Root) {
@@ -40,8 +41,10 @@ export class Transversal implements ViewPart {
 
   draw(traces: readonly Trace[], context: Context): void {
     this.#drawn = [traces, context];
-    if (context.units.drawn.name !== this.#unit) {
-      this.#unit = context.units.drawn.name;
+    const { name, factor } = context.units.drawn;
+    if (name !== this.#unit || factor !== this.#factor) {
+      this.#unit = name;
+      this.#factor = factor;
       if (this.#size > 0) this.#layOut();
     }
     this.#redraw();
@@ -71,8 +74,8 @@ export class Transversal implements ViewPart {
     for (const at of [-1, 0, 1]) {
       const below = svg("text", { x: toX(at), y: floor + 14, "text-anchor": "middle" });
       const beside = svg("text", { x: AXIS - 6, y: toY(at) + 4, "text-anchor": "end" });
-      below.textContent = label(at);
-      beside.textContent = label(at);
+      below.textContent = label(tidy(at * this.#factor));
+      beside.textContent = label(tidy(at * this.#factor));
       parts.push(below, beside);
     }
     const y = svg("text", { x: toX(0.5), y: floor + 14, class: "axis-name", "text-anchor": "middle" });
