@@ -1,7 +1,7 @@
 //! An opened model file and what it says of itself.
 
 use crate::evaluation::Evaluation;
-use crate::surface::Surface;
+use crate::surface::{Surface, normals};
 use capsule_core::model::MatrixView;
 use capsule_core::model::wire::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
@@ -219,6 +219,12 @@ impl Model {
             *capillary_number = capillary_number.min(limit).max(range.min);
         }
         nearest
+    }
+
+    /// Unit normals of a surface whose vertices are x, y, z, ..., in the order of [`Evaluation::surface`].
+    pub fn normals(&self, positions: &[f32]) -> Vec<f32> {
+        let (positions, _) = positions.as_chunks();
+        normals(self.shared.surface.triangles(), positions).into_flattened()
     }
 
     /// Vertices of the triangles to draw, three by three.

@@ -1,5 +1,5 @@
 import type { Quantity, Query } from "../app/schema";
-import type { Evaluation } from "../wasm/capsule_wasm";
+import type { Evaluation, Model } from "../wasm/capsule_wasm";
 import { type Domain, ORDER, prepare } from "./capsule";
 
 export type Outline = "midplane" | "diagonal";
@@ -20,13 +20,15 @@ export class Answer {
   readonly t: number;
   readonly #evaluation: Evaluation;
   readonly #length: number;
+  readonly #normals: (positions: Float32Array) => Float32Array;
   readonly #kept = new Map<string, unknown>();
 
-  constructor(evaluation: Evaluation, query: Query, t: number, drawnLength: number) {
+  constructor(model: Model, evaluation: Evaluation, query: Query, t: number) {
     this.#evaluation = evaluation;
     this.query = query;
     this.t = t;
-    this.#length = drawnLength;
+    this.#length = model.drawnLength;
+    this.#normals = (positions) => model.normals(positions);
   }
 
   /** Everything else throws where this is "refused". */
@@ -93,6 +95,11 @@ export class Answer {
       section.free();
       return curves;
     });
+  }
+
+  /** Unit normals of the surface. */
+  normals(): Float32Array {
+    return this.#once("normals", () => this.#normals(this.surface()));
   }
 
   /** How far the capsule reaches behind and before its centroid, in the drawn length. */

@@ -55,7 +55,7 @@ export class Capsule {
     const key = JSON.stringify(query);
     if (place.answer === undefined || place.query !== key || place.answer.t !== t) {
       place.query = key;
-      place.answer = new Answer(place.evaluation, query, t, this.model.drawnLength);
+      place.answer = new Answer(this.model, place.evaluation, query, t);
     }
     return place.answer;
   }

@@ -7,6 +7,7 @@ import { ERRORS, PRESENTATION, unitOf } from "../model/quantities";
 import type { ParameterMap } from "../views/map";
 import { MapLayer } from "../views/map-layer";
 import type { Context, Trace, ViewPart } from "../views/view";
+import { shownTime } from "./time-axis";
 
 const SCALE_NAMES: Record<Scale, string> = { linear: "Ca", root: "√Ca", log: "log Ca" };
 /** How long time must be at rest before the layer of an instant is computed. */
@@ -60,7 +61,7 @@ export class MapChoices implements ViewPart {
     } else if (!state.playing) {
       this.#resting = window.setTimeout(() => this.#layer.ask(capsule, { quantity: layer, method, t }, units), REST_MS);
       const against = ERRORS.has(layer) ? ` ${errors.against}` : "";
-      const at = Number(t.toPrecision(6));
+      const at = shownTime(t, state.end, units);
       const name = `${PRESENTATION[layer].name} at t = ${at}`;
       this.#legend.textContent = `Contours: ${name}, in ${unitOf(layer, units).name}${against}`;
     }

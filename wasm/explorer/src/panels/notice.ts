@@ -3,7 +3,9 @@ import { moveTo, type State } from "../app/schema";
 import type { Store } from "../app/store";
 import type { Validity } from "../model/answer";
 import type { Capsule, Domain } from "../model/capsule";
+import type { Units } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
+import { shownTime } from "./time-axis";
 
 /** Where parameters lie that are extrapolated to. */
 const WHERE: Record<Exclude<Domain, "inside">, string> = {
@@ -32,7 +34,7 @@ export class Notice implements ViewPart {
     this.#element = root.part("notice", HTMLElement);
   }
 
-  draw([live]: readonly Trace[], { state, capsule }: Context): void {
+  draw([live]: readonly Trace[], { state, capsule, units }: Context): void {
     if (live === undefined) return;
     const { validity } = capsule.answer("live", live.query, state.t);
     this.#markFields(capsule, live.query.parameters, validity);
@@ -43,7 +45,7 @@ export class Notice implements ViewPart {
       const words = `Extrapolated: these parameters lie ${where}. The expected error is a guess, no bound is known.`;
       this.#say(words, [this.#nearest(capsule, state, live.query.parameters)]);
     } else {
-      this.#refuse(validity, state, capsule, live.query.parameters);
+      this.#refuse(validity, state, capsule, live.query.parameters, units);
     }
   }
 
@@ -52,13 +54,14 @@ export class Notice implements ViewPart {
     state: State,
     capsule: Capsule,
     at: readonly number[],
+    units: Units,
   ): void {
     const actions = [this.#nearest(capsule, state, at)];
     const mayExtrapolate = !capsule.has("channel") || at.every((value) => value > 0);
     if (mayExtrapolate && !state.extrapolate) {
       actions.push({ label: "Extrapolate", run: () => this.#store.set({ extrapolate: true }) });
     }
-    const t = Number(state.t.toPrecision(6));
+    const t = shownTime(state.t, state.end, units);
     const whole = cause === "instant" ? `no answer at t = ${t}: ${words}` : words;
     this.#say(`${whole.charAt(0).toUpperCase()}${whole.slice(1)}.`, actions);
   }

@@ -4,6 +4,7 @@ import type { Answer } from "../model/answer";
 import { ERRORS, measure, nameOf, PRESENTATION, unitOf, written } from "../model/quantities";
 import type { Units } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
+import { shownTime } from "./time-axis";
 
 const LABEL = "Read-outs; the chosen one is plotted along time";
 /** How long things must be at rest before the figures are spoken. */
@@ -78,7 +79,7 @@ export class Readouts implements ViewPart {
       return words;
     });
     const query = live.query.parameters.map((value, i) => `${capsule.names()[i]} ${value}`).join(", ");
-    const t = Number(live.answer.t.toPrecision(6));
+    const t = `${shownTime(state.t, state.end, units)} ${units.time.plain}`;
     this.#announce(`${query}, time ${t}: ${figures.join(", ")}; errors ${this.#against}`, extrapolated);
   }
 

@@ -181,6 +181,11 @@ export function writtenTime(t: number, end: number, { time: { factor } }: Units)
   return (t * factor).toFixed(timeDigits(end * factor));
 }
 
+/** The same in a sentence, without zeros at its end. */
+export function shownTime(t: number, end: number, units: Units): string {
+  return String(Number(writtenTime(t, end, units)));
+}
+
 /** Digits after the point that tell instants apart: hundredths of 20 l/V. */
 export function timeDigits(end: number): number {
   return Math.min(12, Math.max(0, 3 - Math.floor(Math.log10(end))));

@@ -25,6 +25,7 @@ export class Transport implements ViewPart {
   readonly #speed: HTMLSelectElement;
   readonly #section: HTMLInputElement;
   readonly #initial: HTMLInputElement;
+  readonly #offset: HTMLElement;
   #units: Units | undefined;
   readonly #views: Map<View, HTMLButtonElement>;
 
@@ -36,6 +37,7 @@ export class Transport implements ViewPart {
     this.#speed = root.part("speed", HTMLSelectElement);
     this.#section = root.part("section", HTMLInputElement);
     this.#initial = root.part("initial", HTMLInputElement);
+    this.#offset = root.part("plane-offset", HTMLElement);
     this.#views = this.#viewButtons();
     this.#play.addEventListener("click", () => this.toggle());
     this.#tieTime();
@@ -47,7 +49,7 @@ export class Transport implements ViewPart {
     root.element.addEventListener("keydown", (event) => this.#onKey(event));
   }
 
-  draw([live]: readonly Trace[], { state, units }: Context): void {
+  draw([live]: readonly Trace[], { state, units, shows }: Context): void {
     this.#play.ariaPressed = String(state.playing);
     this.#play.ariaLabel = state.playing ? "Pause" : "Play";
     this.#units = units;
@@ -57,19 +59,17 @@ export class Transport implements ViewPart {
     if (document.activeElement !== this.#time) this.#writeTime(state);
     this.#time.dataset.value = String(state.t);
     this.#root.part("time-unit", HTMLElement).textContent = units.time.name;
-    const [least, most] = state.playing ? [0, 0] : (live?.answer?.reach ?? [0, 0]);
-    const outward = (reach: number) =>
-      Math.max(LEAST_REACH, Math.ceil(10 * reach + 1e-6) / 10, Math.abs(state.section));
-    if (!state.playing) {
+    if (!state.playing && shows("transversal")) {
+      const [least, most] = live?.answer?.reach ?? [0, 0];
+      const outward = (reach: number) =>
+        Math.max(LEAST_REACH, Math.ceil(10 * reach + 1e-6) / 10, Math.abs(state.section));
       this.#section.min = String(-outward(-least));
       this.#section.max = String(outward(most));
     }
     this.#section.value = String(state.section);
     this.#initial.checked = state.initial;
     this.#speed.value = String(state.speed);
-    const plane = this.#root.part("transversal-plane", HTMLElement);
-    plane.innerHTML = '<i class="symbol">x</i> = <i class="symbol">X</i><sub>c</sub> ';
-    plane.append(`${signed(state.section * units.drawn.factor)} ${units.drawn.name}`);
+    this.#offset.textContent = `${signed(state.section * units.drawn.factor)} ${units.drawn.name}`;
     for (const [view, toggle] of this.#views) toggle.ariaPressed = String(state.views.has(view));
   }
 

@@ -1,8 +1,9 @@
 import type { Root } from "../app/dom";
 import type { Scale } from "../app/schema";
 import type { Capsule, Need } from "../model/capsule";
+import type { Unit } from "../model/units";
 import type { Contour } from "./map-layer";
-import { hatch, label, onResize, set, svg, ticks } from "./svg";
+import { hatch, label, onResize, set, svg, ticks, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 /** The domain of a model. */
@@ -13,8 +14,11 @@ interface Domain {
   readonly samples: Float64Array;
   /** a/l, largest steady Ca, a/l, ... by rising a/l. */
   readonly steadyLimit: Float64Array;
+  /** a/l, Ca, a/l, ... where the solution jumps; empty where it does not. */
+  readonly jumpBorder: Float64Array;
   /** Time by which a steady state must be reached. */
   readonly end: number;
+  readonly time: Unit;
 }
 
 /** Places on an axis for a value, 0 at the first and 1 at the last of its span, and back. */
@@ -32,6 +36,7 @@ interface Point {
 }
 
 const NONE = new Float64Array();
+const NO_UNIT: Unit = { name: "", plain: "", factor: 1 };
 const INSET = { left: 44, right: 10, top: 8, bottom: 40 };
 /** Steps of the keys and of the mouse; with Shift, a fifth of them. */
 const STEP: Point = { ca: 0.005, confinement: 0.01 };
@@ -39,7 +44,15 @@ const STEP: Point = { ca: 0.005, confinement: 0.01 };
 /** The plane of the parameters: sampled points, the region with a steady state, and the current choice to drag. */
 export class ParameterMap implements ViewPart {
   readonly needs: readonly Need[] = ["channel"];
-  #domain: Domain = { caRange: [0, 1], confinementRange: [0, 1], samples: NONE, steadyLimit: NONE, end: 0 };
+  #domain: Domain = {
+    caRange: [0, 1],
+    confinementRange: [0, 1],
+    samples: NONE,
+    steadyLimit: NONE,
+    jumpBorder: NONE,
+    end: 0,
+    time: NO_UNIT,
+  };
   readonly #onChoice: (point: Point) => void;
   readonly #svg: SVGSVGElement;
   readonly #ground: SVGGElement;
@@ -51,6 +64,7 @@ export class ParameterMap implements ViewPart {
   readonly #grip: SVGCircleElement;
   readonly #fill: string;
   readonly #limitId: string;
+  readonly #jumpId: string;
   #caSpan: Span = [0, 1];
   #confinementSpan: Span = [0, 1];
   #width = 0;
@@ -72,6 +86,7 @@ export class ParameterMap implements ViewPart {
     this.#svg.setAttribute("aria-label", "Map of the parameter domain");
     this.#fill = hatch(this.#svg, root.id("hatch-map"));
     this.#limitId = root.id("steady-limit");
+    this.#jumpId = root.id("jump-border");
     this.#ground = svg("g", { class: "axis" }, this.#svg);
     this.#layer = svg("g", { class: "layer" }, this.#svg);
     this.#guides = svg("path", { class: "guide", fill: "none" }, this.#svg);
@@ -107,19 +122,20 @@ export class ParameterMap implements ViewPart {
     this.#handle.addEventListener("keydown", (event) => this.#step(event));
   }
 
-  draw(traces: readonly Trace[], { state, capsule }: Context): void {
-    if (capsule !== this.#capsule || state.scale !== this.#scale || state.samples !== this.#hasSamples) {
+  draw(traces: readonly Trace[], { state, capsule, units }: Context): void {
+    const isOther = units.time.factor !== this.#domain.time.factor;
+    if (isOther || capsule !== this.#capsule || state.scale !== this.#scale || state.samples !== this.#hasSamples) {
       this.#capsule = capsule;
       this.#scale = state.scale;
       this.#hasSamples = state.samples;
-      this.#setDomain(capsule);
+      this.#setDomain(capsule, units.time);
     }
     this.#point = state;
     this.#traces = traces;
     this.#show();
   }
 
-  #setDomain({ model }: Capsule): void {
+  #setDomain({ model }: Capsule, time: Unit): void {
     const [caLeast = 0, caMost = 1, least = 0, most = 1] = model.ranges();
     const margin = 0.07 * (most - least);
     this.#domain = {
@@ -127,7 +143,9 @@ export class ParameterMap implements ViewPart {
       confinementRange: [least, most],
       samples: model.samples(),
       steadyLimit: model.steadyLimit(),
+      jumpBorder: model.jumpBorder(),
       end: model.endTime,
+      time,
     };
     const beyond = caMost + 0.06 * (caMost - caLeast);
     this.#caSpan = [this.#scale === "log" ? caLeast / 1.3 : 0, beyond];
@@ -223,7 +241,8 @@ export class ParameterMap implements ViewPart {
       svg("rect", { class: "border", x: least, y: high, width: most - least, height: low - high }),
       // From left to right, so that the name along it stands upright.
       svg("path", { class: "limit", d: `M${border.toReversed().join("L")}`, id: this.#limitId }),
-      this.#limitName(),
+      this.#nameAlong(this.#limitId, "largest steady Ca", "30%"),
+      ...this.#jump(),
     ];
     for (let i = 0; this.#hasSamples && i + 1 < samples.length; i += 2) {
       const [ca, confinement] = [samples[i] ?? 0, samples[i + 1] ?? 0];
@@ -251,21 +270,41 @@ export class ParameterMap implements ViewPart {
     this.#ground.replaceChildren(...parts);
   }
 
-  /** The name of the limit, along it. */
-  #limitName(): Element {
+  /** A name along a path. */
+  #nameAlong(id: string, name: string, startOffset: string): Element {
     const text = svg("text", { class: "region", dy: -5 });
-    const along = svg("textPath", { href: `#${this.#limitId}`, startOffset: "30%" }, text);
-    along.textContent = "largest steady Ca";
+    const along = svg("textPath", { href: `#${id}`, startOffset }, text);
+    written(along, name);
     return text;
+  }
+
+  /** The border that interpolation does not cross, with its name. */
+  #jump(): Element[] {
+    const points: string[] = [];
+    const { jumpBorder, caRange, confinementRange } = this.#domain;
+    for (let i = 0; i + 1 < jumpBorder.length; i += 2) {
+      const [confinement, ca] = [jumpBorder[i] ?? 0, jumpBorder[i + 1] ?? 0];
+      if (!holds(caRange, ca) || !holds(confinementRange, confinement)) continue;
+      points.push(`${this.#toX(ca).toFixed(2)} ${this.#toY(confinement).toFixed(2)}`);
+    }
+    if (points.length < 2) return [];
+    return [
+      svg("path", { class: "jump", d: `M${points.toReversed().join("L")}`, id: this.#jumpId }),
+      this.#nameAlong(this.#jumpId, "jump", "20%"),
+    ];
   }
 
   /** The name of the region beyond the limit, in its far corner, where it has most room. */
   #regionNames(): Element[] {
+    // On the other scales of Ca it is too narrow for words.
+    if (this.#scale !== "linear") return [];
     const x = this.#toX(this.#domain.caRange[1]) - 10;
     const y = this.#toY(this.#domain.confinementRange[1]) + 22;
     const line = (text: string, dy: number) =>
       written(svg("text", { class: "region", x, y: y + dy, "text-anchor": "end" }), text);
-    return [line("no steady state", 0), line(`before t = ${this.#domain.end}`, 16)];
+    const { end, time } = this.#domain;
+    const before = time.factor === 1 ? `${end}` : `${tidy(end * time.factor)} ${time.name}`;
+    return [line("no steady state", 0), line(`before t = ${before}`, 16)];
   }
 
   /** Begins to drag. A finger on the bare map may want to scroll the page: there it chooses by a tap. */

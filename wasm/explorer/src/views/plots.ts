@@ -67,7 +67,7 @@ class Plot {
 
   constructor(stage: HTMLElement, quantity: Quantity) {
     this.quantity = quantity;
-    this.#svg = svg("svg", { role: "img", class: "plot" }, stage);
+    this.#svg = svg("svg", { role: "img", class: "plot", "aria-label": PRESENTATION[quantity].name }, stage);
     const { plane } = PRESENTATION[quantity];
     if (plane !== undefined) this.#svg.dataset.plane = plane;
     this.#axis = svg("g", { class: "axis" }, this.#svg);

@@ -1,4 +1,5 @@
 import { button, html, type Root } from "../app/dom";
+import type { Answer } from "../model/answer";
 import type { Need } from "../model/capsule";
 import { cutPoints, loopPoints } from "./cuts";
 import type { Cut, Solid, SolidBody, SolidScene } from "./solid";
@@ -104,16 +105,16 @@ function sceneOf(traces: readonly Trace[], context: Context): SolidScene | undef
   const [section] = context.shows("transversal") ? live.transversal(state.section) : [];
   if (section !== undefined) cuts.push({ plane: "transversal", points: loopPoints(section, state.section) });
   const laboratory = state.frame === "laboratory";
-  const bodies = traces.flatMap(({ name, answer }): SolidBody[] => {
-    if (answer === undefined) return [];
-    return [{ name, positions: answer.surface(), shift: laboratory ? answer.centroid - live.centroid : 0 }];
-  });
+  const body = (name: Trace["name"], answer: Answer): SolidBody => {
+    const shift = laboratory ? answer.centroid - live.centroid : 0;
+    return { name, positions: answer.surface(), normals: answer.normals(), shift };
+  };
+  const bodies = traces.flatMap(({ name, answer }) => (answer === undefined ? [] : [body(name, answer)]));
   // In the centroid's frame the two surfaces would lie in one another; there the sections compare them.
   const start = state.initial && laboratory ? traces[0]?.start() : undefined;
   return {
     bodies,
-    initial: start?.surface(),
-    initialShift: (start?.centroid ?? 0) - live.centroid,
+    initial: start === undefined ? undefined : body("live", start),
     origin: laboratory ? live.centroid : 0,
     factor: context.units.drawn.factor,
     cuts,

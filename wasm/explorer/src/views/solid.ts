@@ -27,6 +27,8 @@ export interface SolidBody {
   readonly name: Trace["name"];
   /** Vertices x, y, z, ... relative to its centroid; read during the call, not kept. */
   readonly positions: Float32Array;
+  /** Unit normals at the vertices. */
+  readonly normals: Float32Array;
   /** Axial position of its centroid relative to the live one's. */
   readonly shift: number;
 }
@@ -35,9 +37,8 @@ export interface SolidBody {
 export interface SolidScene {
   /** The live one first; the others stand beside it, each in a part of the picture. */
   readonly bodies: readonly SolidBody[];
-  /** Vertices of the live one at t = 0, where they are to be shown, and where its centroid was. */
-  readonly initial: Float32Array | undefined;
-  readonly initialShift: number;
+  /** The live one at t = 0, where it is to be shown. */
+  readonly initial: SolidBody | undefined;
   /** Axial position that the channel's rings are numbered from, and what one of the drawn length is in their unit. */
   readonly origin: number;
   readonly factor: number;
@@ -190,15 +191,16 @@ export class Solid {
   }
 
   #place(scene: SolidScene): void {
-    scene.bodies.forEach(({ positions, shift }, i) => {
+    scene.bodies.forEach(({ positions, normals, shift }, i) => {
       const mesh = this.#mesh(i);
-      replace(mesh.geometry, positions);
-      mesh.geometry.computeVertexNormals();
+      replace(mesh.geometry, "position", positions);
+      replace(mesh.geometry, "normal", normals);
       mesh.position.x = shift;
     });
     if (scene.initial !== undefined) {
-      replace(this.#initial.geometry, scene.initial);
-      this.#initial.position.x = scene.initialShift;
+      replace(this.#initial.geometry, "position", scene.initial.positions);
+      replace(this.#initial.geometry, "normal", scene.initial.normals);
+      this.#initial.position.x = scene.initial.shift;
     }
     for (const { plane, points } of scene.cuts) {
       if (points.length < 6) continue;
@@ -319,12 +321,12 @@ function cutLine(): Line2 {
   return line;
 }
 
-/** Copies the positions into the geometry, whose buffer is made at the first call. */
-function replace(geometry: BufferGeometry, positions: Float32Array): void {
-  const attribute = geometry.getAttribute("position");
-  if (attribute === undefined || attribute.count * 3 !== positions.length) {
-    geometry.setAttribute("position", new BufferAttribute(positions.slice(), 3));
+/** Copies numbers into the geometry, whose buffer is made at the first call. */
+function replace(geometry: BufferGeometry, name: "position" | "normal", numbers: Float32Array): void {
+  const attribute = geometry.getAttribute(name);
+  if (attribute === undefined || attribute.count * 3 !== numbers.length) {
+    geometry.setAttribute(name, new BufferAttribute(numbers.slice(), 3));
   } else {
-    (attribute as BufferAttribute).copyArray(positions).needsUpdate = true;
+    (attribute as BufferAttribute).copyArray(numbers).needsUpdate = true;
   }
 }
