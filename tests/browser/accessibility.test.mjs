@@ -7,6 +7,8 @@ import { test } from "node:test";
 import { explorer } from "./support.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const EVERYTHING =
+  "#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9;B:paper:0.05,0.8&layer=error_bound&views=midplane.diagonal.transversal.plots";
 const SITUATIONS = {
   "desktop, light": ["", { viewport: { width: 1440, height: 900 }, colorScheme: "light" }],
   "desktop, dark": ["", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
@@ -16,6 +18,10 @@ const SITUATIONS = {
   "extrapolated": ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "light" }],
   "extrapolated, dark": ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "dark" }],
   "refused shape": ["#ca=0.15&al=1.1&t=20&extrapolate=1", { colorScheme: "light" }],
+  "compared, plotted and mapped": [`${EVERYTHING}&dims=100,1,10`, { colorScheme: "light" }],
+  "compared, plotted and mapped, dark": [EVERYTHING, { colorScheme: "dark" }],
+  "compared, plotted and mapped, phone": [EVERYTHING, { viewport: { width: 390, height: 844 }, colorScheme: "dark" }],
+  "a link of another model": ["#m=01234567&file=own.crom&ca=0.1&al=0.9", { colorScheme: "dark" }],
   "missing model": ["?model=./nothing.crom", { viewport: { width: 1440, height: 900 } }],
 };
 
@@ -28,6 +34,17 @@ for (const [situation, [address, options]] of Object.entries(SITUATIONS)) {
     const { violations } = await page.evaluate(() => window.axe.run(document));
     const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
     assert.deepEqual(found, []);
+    await close();
+  });
+}
+
+for (const dialog of ["take-away", "units", "help"]) {
+  test(`accessibility: the dialog ${dialog}`, async () => {
+    const { page, close } = await openPage(browser, `${server.url}#views=midplane`, { colorScheme: "dark" });
+    await page.click(`#open-${dialog}`);
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => window.axe.run(document));
+    assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`), []);
     await close();
   });
 }

@@ -29,11 +29,29 @@ function shippedModel(): Plugin {
   };
 }
 
+/** Has the WebAssembly module fetched beside the page's program, and not after it. */
+function preloadedModule(): Plugin {
+  return {
+    name: "preloaded-module",
+    transformIndexHtml: {
+      order: "post",
+      handler: (_, { bundle }) =>
+        Object.keys(bundle ?? {})
+          .filter((name) => name.endsWith(".wasm"))
+          .map((name) => ({
+            tag: "link",
+            attrs: { rel: "preload", as: "fetch", type: "application/wasm", crossorigin: "", href: `./${name}` },
+            injectTo: "head",
+          })),
+    },
+  };
+}
+
 export default defineConfig({
   // The page works from any folder of a server, and a missing file is a 404, not the page again.
   base: "./",
   appType: "mpa",
-  plugins: [shippedModel()],
+  plugins: [shippedModel(), preloadedModule()],
   build: {
     target: "es2023",
     assetsInlineLimit: 0,

@@ -1,7 +1,7 @@
 //! Answers of a model to one query, at one instant after another.
 
-use crate::model::Shared;
 use crate::section::curves;
+use crate::shared::Shared;
 use capsule_core::{
     EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_len,
 };
@@ -175,13 +175,21 @@ impl Evaluation {
     }
 
     /// Puts a question to the core about the current query and instant.
-    fn ask<A>(
+    pub(crate) fn ask<A>(
         &mut self,
         question: impl FnOnce(&mut Instant<'_, '_, f32>) -> Result<A, EvaluateError>,
     ) -> Result<A, JsError> {
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
         evaluator.prepare(self.query.as_ref().ok_or(EvaluateError::NotPrepared)?)?;
         Ok(question(&mut evaluator.at(self.t)?)?)
+    }
+
+    /// All nodes in the laboratory frame.
+    pub(crate) fn laboratory_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {
+        let centroid = self.centroid()?;
+        let mut nodes = self.all_nodes()?;
+        nodes.iter_mut().for_each(|node| node[0] += centroid);
+        Ok(nodes)
     }
 
     fn all_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {

@@ -3,9 +3,11 @@
 //!
 //! Each method computes only its own result.
 
+mod batch;
 mod evaluation;
 mod model;
 mod section;
+mod shared;
 mod surface;
 
 pub use evaluation::{Curves, Evaluation, Readings};

@@ -1,38 +1,12 @@
 //! An opened model file and its metadata.
 
 use crate::evaluation::Evaluation;
-use crate::surface::Surface;
+use crate::shared::{CoreModel, File, Shared};
+use crate::surface::{Surface, normals};
 use capsule_core::model::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
-use self_cell::self_cell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
-
-type CoreModel<'a> = capsule_core::Model<'a>;
-
-self_cell!(
-    /// The file's bytes with the model that reads them in place.
-    struct File {
-        owner: Vec<u8>,
-        #[covariant]
-        dependent: CoreModel,
-    }
-);
-
-/// The parts that all evaluations of a model share.
-pub(crate) struct Shared {
-    file: File,
-    /// The membrane as triangles to draw.
-    pub surface: Surface,
-    /// Nodes of the full mesh.
-    pub nodes: usize,
-}
-
-impl Shared {
-    pub fn core(&self) -> &CoreModel<'_> {
-        self.file.borrow_dependent()
-    }
-}
 
 /// Pieces into which each side of a P2 element is divided for drawing.
 const DIVISIONS: usize = 4;
@@ -193,6 +167,13 @@ impl Model {
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
+    /// Border where the solution jumps: a/l, Ca, a/l, Ca, ..., by rising a/l; empty where there is none.
+    #[wasm_bindgen(js_name = jumpBorder)]
+    pub fn jump_border(&self) -> Vec<f64> {
+        let points = self.shared.core().jump_curve().points();
+        points.flat_map(|point: [f64; 2]| point).collect()
+    }
+
     /// The parameters to suggest instead of those outside the domain: each moved into its range, and Ca below the
     /// steady limit where there is one, to a thousandth.
     pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {
@@ -211,6 +192,12 @@ impl Model {
             *capillary_number = capillary_number.min(limit).max(range.min);
         }
         nearest
+    }
+
+    /// Unit normals of a surface whose vertices are x, y, z, ..., in the order of [`Evaluation::surface`].
+    pub fn normals(&self, positions: &[f32]) -> Vec<f32> {
+        let (positions, _) = positions.as_chunks();
+        normals(self.shared.surface.triangles(), positions).into_flattened()
     }
 
     /// Vertices of the triangles to draw, three by three.

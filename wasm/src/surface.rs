@@ -74,6 +74,35 @@ impl Surface {
     }
 }
 
+/// Unit normals at the vertices, outward where the triangles are oriented so: the mean of those of the triangles around,
+/// weighted by their areas. A vertex without area has none: zero.
+pub fn normals(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut normals = vec![[0.0; 3]; positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|vertex| positions.get(vertex as usize).copied().unwrap_or_default());
+        let [u, v] = [b, c].map(|to: [f32; 3]| [to[0] - a[0], to[1] - a[1], to[2] - a[2]]);
+        let cross = [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ];
+        for &vertex in triangle {
+            if let Some(normal) = normals.get_mut(vertex as usize) {
+                for (sum, part) in normal.iter_mut().zip(cross) {
+                    *sum += part;
+                }
+            }
+        }
+    }
+    for normal in &mut normals {
+        let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+        if length > 0.0 {
+            normal.iter_mut().for_each(|x| *x /= length);
+        }
+    }
+    normals
+}
+
 /// Barycentric coordinates times the number of divisions, put in a form that both neighbours of an edge agree on.
 fn place(element: usize, nodes: &[u16; 6], steps: [usize; 3]) -> Place {
     let present: Vec<usize> = (0..3).filter(|&corner| steps[corner] > 0).collect();
@@ -158,6 +187,19 @@ mod tests {
         let positions = Surface::new(&elements, 2).positions(&nodes);
         assert_eq!(positions.len(), nodes.len());
         assert!(positions.iter().all(|position| nodes.contains(position)));
+    }
+
+    #[test]
+    fn normals_of_a_ball_point_outward() {
+        // Mid-edge nodes on the unit sphere.
+        let (nodes, elements) = octahedron(std::f32::consts::FRAC_1_SQRT_2);
+        let surface = Surface::new(&elements, 4);
+        let at = surface.positions(&nodes);
+        for (normal, position) in normals(surface.triangles(), &at).iter().zip(&at) {
+            let length = position.iter().map(|x| x * x).sum::<f32>().sqrt();
+            let along: f32 = normal.iter().zip(position).map(|(n, x)| n * x / length).sum();
+            assert!(along > 0.95, "{normal:?} at {position:?}");
+        }
     }
 
     #[test]

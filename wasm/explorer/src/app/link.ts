@@ -1,65 +1,57 @@
-import { QUANTITIES } from "./quantities";
-import { DEFAULT_STATE, FRAMES, METHODS, SPEEDS, type State, VIEWS } from "./state";
+import { DEFAULT_STATE, ENTRIES, type Key, type State } from "./schema";
 
-/** Writes the state as a URL fragment: always the query and the time, the rest where it differs from the default. */
-export function toFragment(state: State): string {
-  const { ca, confinement, parameters, t, method } = state;
-  const own =
-    parameters.length > 0 ? { p: parameters.map(short).join(",") } : { ca: short(ca), al: short(confinement) };
-  const fields = new URLSearchParams({ ...own, t: short(t), method });
-  const put = (name: string, value: string, standard: string) => {
-    if (value !== standard) {
-      fields.set(name, value);
-    }
-  };
-  put("frame", state.frame, DEFAULT_STATE.frame);
-  put("speed", String(state.speed), String(DEFAULT_STATE.speed));
-  put("section", short(state.section), short(DEFAULT_STATE.section));
-  put("trace", state.trace, DEFAULT_STATE.trace);
-  put("initial", state.initial ? "1" : "0", "1");
-  put("extrapolate", state.extrapolate ? "1" : "0", "0");
-  put("views", [...state.views].join("."), [...DEFAULT_STATE.views].join("."));
-  return `#${fields}`;
+/** The version of the links that this page writes. */
+const VERSION = 1;
+
+/** What a link says. */
+export interface Link {
+  /** Every field of the state that a link can hold; what it leaves out means the default. */
+  readonly state: Partial<State>;
+  /** Digest of the model that it was made with; undefined where it does not say. */
+  readonly digest: string | undefined;
+  /** The file that the model came from, where it is not the one beside the page. */
+  readonly file: string | undefined;
 }
 
-/** Reads a fragment; a field that is missing or makes no sense is left as it is by default. */
-export function fromFragment(fragment: string): Partial<State> {
-  const fields = new URLSearchParams(fragment.replace(/^#/, ""));
-  const patch: { -readonly [key in keyof State]?: State[key] } = {};
-  const number = (name: string) => {
-    const text = fields.get(name);
-    const value = text === null || text.trim() === "" ? Number.NaN : Number(text);
-    return Number.isFinite(value) ? value : undefined;
-  };
-  const one = <T extends string>(name: string, among: readonly T[]) => among.find((item) => item === fields.get(name));
-
-  const parameters = { ca: number("ca"), confinement: number("al"), t: number("t"), section: number("section") };
-  for (const key of ["ca", "confinement", "t", "section"] as const) {
-    const value = parameters[key];
-    if (value !== undefined) {
-      patch[key] = value;
-    }
-  }
-  const others = (fields.get("p") ?? "").split(",").map((text) => (text.trim() === "" ? Number.NaN : Number(text)));
-  if (others.every(Number.isFinite)) patch.parameters = others;
-  const speed = SPEEDS.find((item) => item === number("speed"));
-  const method = one("method", METHODS);
-  const frame = one("frame", FRAMES);
-  const trace = one("trace", QUANTITIES);
-  if (speed !== undefined) patch.speed = speed;
-  if (method !== undefined) patch.method = method;
-  if (frame !== undefined) patch.frame = frame;
-  if (trace !== undefined) patch.trace = trace;
-  if (fields.has("initial")) patch.initial = fields.get("initial") !== "0";
-  if (fields.has("extrapolate")) patch.extrapolate = fields.get("extrapolate") === "1";
-  if (fields.has("views")) {
-    const names = (fields.get("views") ?? "").split(".");
-    patch.views = new Set(VIEWS.filter((view) => names.includes(view)));
-  }
-  return patch;
+/** The model that a link is about. */
+export interface LinkedModel {
+  readonly isChannel: boolean;
+  readonly digest: string;
+  readonly file: string | undefined;
 }
 
-/** A number as a person would type it: 2.3, not 2.3000000000000003, which adding up time steps makes. */
-function short(value: number): string {
-  return String(Number(value.toPrecision(12)));
+/** Fields that a link names even where they have their default: the query and the instant. */
+const ALWAYS: ReadonlySet<Key> = new Set(["ca", "confinement", "parameters", "t", "method"]);
+
+/** Writes the state as the fragment of a URL: the query, the instant, and what differs from its default. */
+export function toFragment(state: State, { isChannel, digest, file }: LinkedModel): string {
+  const words = new URLSearchParams({ v: String(VERSION), m: digest });
+  if (file !== undefined) words.set("file", file);
+  for (const [key, { key: name, model, format, standard }] of ENTRIES) {
+    if (name === undefined || (model !== undefined && model !== (isChannel ? "channel" : "other"))) continue;
+    const text = format(state[key]);
+    if (ALWAYS.has(key) || text !== format(standard)) words.set(name, text);
+  }
+  return `#${words}`;
+}
+
+/** Reads a fragment. `defaults` are the open model's; a field that is missing or makes no sense has its default. */
+export function fromFragment(fragment: string, defaults: Partial<State> = {}): Link {
+  const words = new URLSearchParams(fragment.replace(/^#/, ""));
+  const state = Object.fromEntries(
+    ENTRIES.filter(([, { key }]) => key !== undefined).map(([key, { key: name, parse, check }]) => {
+      const text = words.get(name ?? "");
+      const value = text === null ? undefined : parse(text);
+      const isGood = value !== undefined && check(value);
+      return [key, isGood ? value : (defaults[key] ?? DEFAULT_STATE[key])];
+    }),
+  );
+  return { state, digest: words.get("m") ?? undefined, file: words.get("file") ?? undefined };
+}
+
+/** Whether the change from one state to another is a step that the browser's back button undoes. */
+export function isStep(state: State, previous: State): boolean {
+  return ENTRIES.some(([key, { undo, key: name, format }]) => {
+    return undo && name !== undefined && format(state[key]) !== format(previous[key]);
+  });
 }

@@ -1,204 +1,109 @@
-import type { Method, Quantity, State } from "../app/state";
-import initialise, { type Evaluation, Model } from "../wasm/capsule_wasm";
-import wasmAddress from "../wasm/capsule_wasm_bg.wasm?url";
+import { QUANTITIES, type Quantity, type Query, type State } from "../app/schema";
+import { type Evaluation, Model } from "../wasm/capsule_wasm";
+import { Answer } from "./answer";
+import { type Units, unitsOf } from "./units";
 
-/** Why there is no model to show, and what would help. */
-export class ModelError extends Error {
-  readonly remedy: string;
-
-  constructor(message: string, remedy: string) {
-    super(message);
-    this.remedy = remedy;
-  }
-}
-
-export type Outline = "midplane" | "diagonal";
 export type Domain = "inside" | "beyond-steady-limit" | "far-from-samples" | "outside";
 
-/** The parameters that determine a motion. */
-export type Query = Pick<State, "ca" | "confinement" | "parameters" | "method" | "extrapolate">;
+/** What a view may need of a model. */
+export type Need = "outlines" | "channel";
 
-/** A model and the answers to the query that is on screen. Everything is computed by the core, when it is asked for. */
+/** A file that was opened, and the answers that the core gives with it, each computed when it is asked for. */
 export class Capsule {
   readonly model: Model;
   readonly bytes: number;
-  /** The instant on screen. */
-  readonly now: Evaluation;
-  /** Other instants of the same query: the start, and the time axis. */
-  readonly #elsewhere: Evaluation;
-  readonly #length: number;
-  #query: Query | undefined;
-  #parameters: readonly number[] = [];
-  #domain: Domain = "inside";
-  /** Answers about the shape at t = 0, once asked for. */
-  readonly #initial = new Map<Outline | "surface", Float32Array | undefined>();
+  /** The file's name, where it is not the one beside the page. */
+  readonly file: string | undefined;
+  readonly units: Units;
+  /** Each with a workspace of its own, so that what one computes does not displace what another holds. */
+  readonly #lanes = new Map<string, { evaluation: Evaluation; query: string; answer: Answer | undefined }>();
 
-  private constructor(model: Model, bytes: number) {
-    this.model = model;
-    this.bytes = bytes;
-    this.#length = model.drawnLength;
-    this.now = model.evaluation();
-    this.#elsewhere = model.evaluation();
+  constructor(bytes: Uint8Array, file: string | undefined) {
+    this.model = Model.open(bytes);
+    this.bytes = bytes.length;
+    this.file = file;
+    this.units = unitsOf(this.model);
   }
 
-  /** Opens the bytes of a model file; throws a `ModelError`. */
-  static async open(bytes: Uint8Array, name: string): Promise<Capsule> {
-    await initialise({ module_or_path: wasmAddress });
-    try {
-      return new Capsule(Model.open(bytes), bytes.length);
-    } catch (error) {
-      throw new ModelError(
-        `${name} is not a model that can be read: ${text(error)}.`,
-        "Open a .crom file that `capsule-rom offline build` wrote, or copy this one again.",
-      );
+  has(need: Need): boolean {
+    return need === "outlines" ? this.model.hasOutlines : this.model.isChannel;
+  }
+
+  /** The names of the parameters, for people. */
+  names(): readonly string[] {
+    return this.model.isChannel ? ["Ca", "a/l"] : this.model.parameterNames();
+  }
+
+  /** The state that this model begins with, where it differs from the default. */
+  defaults(): Partial<State> {
+    const { model } = this;
+    const ranges = model.ranges();
+    const middle = model.parameterNames().map((_, i) => 0.5 * ((ranges[2 * i] ?? 0) + (ranges[2 * i + 1] ?? 1)));
+    return {
+      method: model.defaultMethod === "paper" ? "paper" : "direct",
+      parameters: model.isChannel ? [] : middle,
+      end: model.endTime,
+    };
+  }
+
+  /**
+   * The answer to a query at an instant. A lane holds the last one asked of it: the same question again is not computed
+   * again.
+   */
+  answer(lane: string, query: Query, t: number): Answer {
+    const place = this.#lane(lane);
+    const key = JSON.stringify(query);
+    if (place.answer === undefined || place.query !== key || place.answer.t !== t) {
+      place.query = key;
+      place.answer = new Answer(this.model, place.evaluation, query, t);
     }
+    return place.answer;
   }
 
-  /** Fetches and opens a model; throws a `ModelError`. */
-  static async fetch(address: URL): Promise<Capsule> {
-    const name = address.pathname.split("/").at(-1) ?? address.pathname;
-    if (address.origin !== window.location.origin) {
-      throw new ModelError(
-        `The model ${address.href} lies on another server.`,
-        "Put it beside this page, or download it and open it from your disk.",
-      );
-    }
-    let response: Response;
-    try {
-      response = await fetch(address);
-    } catch (error) {
-      throw new ModelError(
-        `The model ${name} could not be fetched: ${text(error)}.`,
-        "See whether the server still runs, then load the page again.",
-      );
-    }
-    if (!response.ok) {
-      throw new ModelError(
-        `The model ${name} is missing: the server answered ${response.status} for ${address.pathname}.`,
-        "Build the page with `cargo xtask explore`, which puts the model beside it, or open a .crom file from your disk.",
-      );
-    }
-    return Capsule.open(new Uint8Array(await response.arrayBuffer()), name);
+  /** The course of a read-out at instants; not a number where there is no answer. Throws where the query is refused. */
+  course(lane: string, query: Query, quantity: Quantity, times: Float32Array): Float32Array {
+    const place = this.#lane(lane);
+    place.answer = undefined;
+    prepare(place.evaluation, query);
+    return place.evaluation.course(quantity, times);
   }
 
-  /** The parameters of a state, as many as the model has. */
-  parameters({ ca, confinement, parameters }: Query): readonly number[] {
-    return this.model.isChannel ? [ca, confinement] : parameters;
+  /** A read-out at one instant for many sets of parameters, one set after another; not a number where there is none. */
+  grid(lane: string, quantity: Quantity, parameters: Float64Array, t: number, method: string): Float32Array {
+    const place = this.#lane(lane);
+    place.answer = undefined;
+    return place.evaluation.grid(quantity, parameters, this.names().length, t, method);
   }
 
-  /** Sets the query; throws with the core's words when it is refused. */
-  prepare(query: Query): Domain {
-    const parameters = this.parameters(query);
-    const same =
-      this.#query !== undefined &&
-      parameters.every((value, i) => value === this.#parameters[i]) &&
-      query.method === this.#query.method &&
-      query.extrapolate === this.#query.extrapolate;
-    if (!same) {
-      this.#query = undefined;
-      this.#initial.clear();
-      this.#parameters = parameters;
-      this.#domain = prepare(this.now, parameters, query);
-      this.#query = query;
-    }
-    return this.#domain;
-  }
-
-  /** Vertices now, relative to the centroid, in the drawn length. */
-  surface(): Float32Array {
-    return this.#drawn(this.now.surface());
-  }
-
-  /** An outline now, in the drawn length. */
-  outline(name: Outline): Float32Array {
-    return this.#drawn(this.now.outline(name));
-  }
-
-  /** The section across now, in the drawn length, by the plane at `offset` of these lengths from the centroid. */
-  transversal(offset: number): Float32Array[] {
-    const section = this.now.transversal(offset * this.#length);
-    const points = this.#drawn(section.points);
-    let start = 0;
-    const curves = [...section.lengths].map((length) => {
-      const curve = points.subarray(2 * start, 2 * (start + length));
-      start += length;
-      return curve;
-    });
-    section.free();
-    return curves;
-  }
-
-  /** Axial position of the centroid now, in the drawn length. */
-  centroid(): number {
-    return this.now.centroid() / this.#length;
-  }
-
-  #drawn(points: Float32Array): Float32Array {
-    return this.#length === 1 ? points : points.map((x) => x / this.#length);
-  }
-
-  /** Vertices at t = 0, relative to the centroid, or an outline; undefined where the core refuses the shape there. */
-  initial(what: Outline | "surface"): Float32Array | undefined {
-    if (!this.#initial.has(what)) {
-      let points: Float32Array | undefined;
-      try {
-        const start = this.#at(0);
-        points = this.#drawn(what === "surface" ? start.surface() : start.outline(what));
-      } catch {
-        // The instant on screen may have an answer all the same. Why this one has none is said when one goes there.
+  /** Frees the lanes whose names begin so. */
+  release(name: string): void {
+    for (const [key, { evaluation }] of this.#lanes) {
+      if (key.startsWith(name)) {
+        evaluation.free();
+        this.#lanes.delete(key);
       }
-      this.#initial.set(what, points);
     }
-    return this.#initial.get(what);
-  }
-
-  /** A read-out at another instant; undefined is a bound that does not exist. */
-  readAt(t: number, quantity: Quantity): number | undefined {
-    return read(this.#at(t), quantity);
-  }
-
-  /** A read-out at the instant on screen; undefined is a bound that does not exist. */
-  read(quantity: Quantity): number | undefined {
-    return read(this.now, quantity);
   }
 
   free(): void {
-    this.now.free();
-    this.#elsewhere.free();
+    this.release("");
     this.model.free();
   }
 
-  #at(t: number): Evaluation {
-    if (this.#query === undefined) throw new Error("an instant was asked for of a query that is refused");
-    prepare(this.#elsewhere, this.#parameters, this.#query);
-    this.#elsewhere.goTo(t);
-    return this.#elsewhere;
-  }
-}
-
-function prepare(evaluation: Evaluation, parameters: readonly number[], { method, extrapolate }: Query): Domain {
-  return evaluation.prepare(Float64Array.from(parameters), method satisfies Method, extrapolate) as Domain;
-}
-
-function read(evaluation: Evaluation, quantity: Quantity): number | undefined {
-  switch (quantity) {
-    case "volume":
-      return evaluation.volume();
-    case "expected_error":
-      return evaluation.expectedError();
-    case "error_bound":
-      return evaluation.errorBound();
-    default: {
-      const readings = evaluation.readings();
-      const value = readings[quantity];
-      readings.free();
-      return value;
+  #lane(name: string) {
+    let lane = this.#lanes.get(name);
+    if (lane === undefined) {
+      lane = { evaluation: this.model.evaluation(), query: "", answer: undefined };
+      this.#lanes.set(name, lane);
     }
+    return lane;
   }
 }
 
-/** The words of anything thrown, without a closing full stop, and numbers to the digits that single precision has. */
-export function text(error: unknown): string {
-  const words = error instanceof Error ? error.message : String(error);
-  return words.replace(/\.$/, "").replace(/\d+\.\d{7,}/g, (number) => String(Number(Number(number).toPrecision(6))));
+/** Sets a query; throws with the core's words where it is refused. */
+export function prepare(evaluation: Evaluation, { parameters, method, extrapolate }: Query): Domain {
+  return evaluation.prepare(Float64Array.from(parameters), method, extrapolate) as Domain;
 }
+
+/** The order of the numbers that the core gives at once. */
+export const ORDER: readonly Quantity[] = QUANTITIES;

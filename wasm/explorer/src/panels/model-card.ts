@@ -1,7 +1,7 @@
-import { html } from "../app/page";
+import { html } from "../app/dom";
 import type { Capsule } from "../model/capsule";
 
-/** What is computed with: every figure on the page belongs to the model with this digest. */
+/** The model that is computed with: every figure on the page belongs to the one with this digest. */
 export function describe(list: HTMLElement, { model, bytes }: Capsule): void {
   const created = new Date(model.createdUnixS * 1000).toISOString().slice(0, 10);
   const entries: [name: string, value: string, hint: string][] = [

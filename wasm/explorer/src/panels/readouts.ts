@@ -1,121 +1,132 @@
-import { element, html } from "../app/page";
-import { QUANTITIES } from "../app/quantities";
-import type { Quantity } from "../app/state";
-import type { ErrorMeaning } from "../model/errors";
-import { ERRORS, measure, nameOf, PRESENTATION, STANDARD_UNITS, written } from "./quantities";
+import { html, type Root } from "../app/dom";
+import { QUANTITIES, type Quantity } from "../app/schema";
+import type { Answer } from "../model/answer";
+import { ERRORS, measure, nameOf, PRESENTATION, unitOf, written } from "../model/quantities";
+import type { Units } from "../model/units";
+import type { Context, Trace, ViewPart } from "../views/view";
+import { shownTime } from "./time-axis";
 
 const LABEL = "Read-outs; the chosen one is plotted along time";
+/** How long things must be at rest before the figures are spoken. */
+const REST_MS = 700;
+
+interface Row {
+  readonly row: HTMLButtonElement;
+  readonly name: HTMLElement;
+  readonly output: HTMLOutputElement;
+  readonly unit: HTMLElement;
+}
 
 /** The figures of the instant on screen. Each output carries its number in full in `data-value`. */
-export class Readouts {
-  readonly #outputs = new Map<Quantity, HTMLOutputElement>();
-  readonly #rows = new Map<Quantity, HTMLButtonElement>();
-  readonly #names = new Map<Quantity, HTMLElement>();
-  readonly #units = new Map<Quantity, HTMLElement>();
-  readonly #panel = element("readouts", HTMLElement);
-  readonly #announcement = element("announcement", HTMLElement);
-  readonly #mark = element("extrapolated", HTMLElement);
-  readonly #errors = element("errors", HTMLElement);
+export class Readouts implements ViewPart {
+  readonly needs = [];
+  readonly #rows = new Map<Quantity, Row>();
+  readonly #panel: HTMLElement;
+  readonly #announcement: HTMLElement;
+  readonly #mark: HTMLElement;
+  readonly #uncertain: HTMLElement;
+  readonly #errors: HTMLElement;
   #against = "";
   #announcing = 0;
 
-  constructor(onTrace: (quantity: Quantity) => void) {
+  constructor(root: Root, onTrace: (quantity: Quantity) => void) {
+    this.#panel = root.part("readouts", HTMLElement);
+    this.#announcement = root.part("announcement", HTMLElement);
+    this.#mark = root.part("extrapolated", HTMLElement);
+    this.#uncertain = root.part("uncertain", HTMLElement);
+    this.#errors = root.part("errors", HTMLElement);
     this.#panel.role = "radiogroup";
     this.#panel.ariaLabel = LABEL;
     for (const quantity of QUANTITIES) {
-      const { unit, plane } = PRESENTATION[quantity];
-      const output = html("output", { id: quantity });
-      // They change sixty times a second; what is spoken is said in the announcement instead.
+      const { plane } = PRESENTATION[quantity];
+      const output = html("output", { id: root.id(quantity) });
+      // They change sixty times a second; the announcement is spoken instead.
       output.ariaLive = "off";
       output.dataset.quantity = quantity;
       const name = html("span", { textContent: nameOf(quantity, false) });
-      const row = html("button", { type: "button", className: "readout" }, name, output);
-      const mark = html("span", { className: "unit", textContent: unit });
-      this.#names.set(quantity, name);
-      this.#units.set(quantity, mark);
-      row.append(mark);
+      const unit = html("span", { className: "unit" });
+      const row = html("button", { type: "button", className: "readout" }, name, output, unit);
       row.role = "radio";
       if (plane !== undefined) row.dataset.plane = plane;
       if (ERRORS.has(quantity)) row.setAttribute("aria-describedby", this.#errors.id);
       row.addEventListener("click", () => onTrace(quantity));
       row.addEventListener("keydown", (event) => this.#rove(event, quantity, onTrace));
-      this.#outputs.set(quantity, output);
-      this.#rows.set(quantity, row);
+      this.#rows.set(quantity, { row, name, output, unit });
       this.#panel.append(row);
     }
   }
 
-  /** Says what the errors of the open model are. */
-  setErrors({ against, sentence }: ErrorMeaning): void {
-    this.#against = against;
-    this.#errors.textContent = sentence;
-  }
-
-  /** Sets the units that the open model's numbers have. */
-  setUnits({ length, velocity }: { readonly length: string; readonly velocity: string }): void {
-    for (const [quantity, mark] of this.#units) {
-      const presentation = PRESENTATION[quantity];
-      presentation.unit = STANDARD_UNITS[quantity].replace("ℓ", length).replace("V", velocity);
-      mark.textContent = presentation.unit;
+  draw([live]: readonly Trace[], { state, units, capsule, errors }: Context): void {
+    this.#against = errors.against;
+    if (this.#errors.textContent !== errors.sentence) this.#errors.textContent = errors.sentence;
+    for (const [quantity, { row, unit }] of this.#rows) {
+      row.ariaChecked = String(quantity === state.trace);
+      row.tabIndex = quantity === state.trace ? 0 : -1;
+      unit.textContent = unitOf(quantity, units).name;
     }
+    window.clearTimeout(this.#announcing);
+    if (live?.answer === undefined) {
+      this.#clear();
+      return;
+    }
+    this.#show(live.answer, live.radius, units);
+    // The names of the rows hold their values; while time runs they would be rewritten in every frame.
+    if (state.playing) return;
+    const extrapolated = live.answer.validity.kind === "extrapolated";
+    const figures = [...this.#rows].map(([quantity, { row }]) => {
+      const words = `${nameOf(quantity, extrapolated)} ${measure(quantity, live.answer?.read(quantity), units)}`;
+      row.ariaLabel = words;
+      return words;
+    });
+    const query = live.query.parameters.map((value, i) => `${capsule.names()[i]} ${value}`).join(", ");
+    const t = `${shownTime(state.t, state.end, units)} ${units.time.plain}`;
+    this.#announce(`${query}, time ${t}: ${figures.join(", ")}; errors ${this.#against}`, extrapolated);
   }
 
-  /** Shows the numbers that `read` gives; a bound that it does not give is "none". */
-  show(read: (quantity: Quantity) => number | undefined, extrapolated: boolean): void {
+  #show(answer: Answer, radius: number, units: Units): void {
+    const extrapolated = answer.validity.kind === "extrapolated";
     this.#markExtrapolated(extrapolated);
-    for (const [quantity, output] of this.#outputs) {
-      const value = read(quantity);
-      this.#units.get(quantity)?.toggleAttribute("hidden", value === undefined);
+    this.#uncertain.hidden = extrapolated || !answer.isUncertain;
+    for (const [quantity, { output, unit }] of this.#rows) {
+      const value = answer.read(quantity);
+      unit.toggleAttribute("hidden", value === undefined);
       if (value === undefined) {
         output.textContent = "none";
         delete output.dataset.value;
-      } else {
-        output.textContent = written(quantity, value);
-        output.dataset.value = String(value);
+        continue;
       }
+      const isRough = answer.isUncertain && !ERRORS.has(quantity);
+      output.textContent = isRough
+        ? `≈ ${rough(value, answer.band * radius, quantity, units)}`
+        : written(quantity, value, units);
+      output.dataset.value = String(value);
     }
   }
 
   /** Shows that there is no answer, and has none spoken. */
-  clear(): void {
+  #clear(): void {
     this.#markExtrapolated(false);
-    for (const [quantity, output] of this.#outputs) {
-      this.#units.get(quantity)?.toggleAttribute("hidden", false);
+    this.#uncertain.hidden = true;
+    for (const [quantity, { row, output, unit }] of this.#rows) {
+      unit.toggleAttribute("hidden", false);
       output.textContent = "–";
+      row.ariaLabel = `${nameOf(quantity, false)}: no answer`;
       delete output.dataset.value;
     }
-    window.clearTimeout(this.#announcing);
     this.#announcement.textContent = "";
   }
 
   #markExtrapolated(extrapolated: boolean): void {
     this.#mark.hidden = !extrapolated;
     this.#panel.ariaLabel = extrapolated ? `Extrapolated. ${LABEL}` : LABEL;
-    for (const [quantity, name] of this.#names) {
-      name.textContent = nameOf(quantity, extrapolated);
-    }
-  }
-
-  /** Marks the read-out that the time axis plots. */
-  mark(trace: Quantity): void {
-    for (const [quantity, row] of this.#rows) {
-      row.ariaChecked = String(quantity === trace);
-      row.tabIndex = quantity === trace ? 0 : -1;
-    }
+    for (const [quantity, { name }] of this.#rows) name.textContent = nameOf(quantity, extrapolated);
   }
 
   /** Has the figures spoken once things have come to rest. */
-  announce(situation: string): void {
-    window.clearTimeout(this.#announcing);
+  #announce(words: string, extrapolated: boolean): void {
     this.#announcing = window.setTimeout(() => {
-      const extrapolated = !this.#mark.hidden;
-      const figures = [...this.#outputs].map(([quantity, { dataset }]) => {
-        const value = dataset.value === undefined ? undefined : Number(dataset.value);
-        return `${nameOf(quantity, extrapolated)} ${measure(quantity, value)}`;
-      });
-      const words = `${situation}: ${figures.join(", ")}; errors ${this.#against}`;
       this.#announcement.textContent = extrapolated ? `Extrapolated. ${words}` : words;
-    }, 700);
+    }, REST_MS);
   }
 
   /** Arrow keys move the choice, as in any group of radio buttons. */
@@ -125,9 +136,16 @@ export class Readouts {
     const next = QUANTITIES[(QUANTITIES.indexOf(quantity) + step + QUANTITIES.length) % QUANTITIES.length];
     if (next !== undefined) {
       onTrace(next);
-      this.#rows.get(next)?.focus();
+      this.#rows.get(next)?.row.focus();
     }
     event.preventDefault();
     event.stopPropagation();
   }
+}
+
+/** A number with the digits that an error of `band` leaves. */
+function rough(value: number, band: number, quantity: Quantity, units: Units): string {
+  const { factor } = unitOf(quantity, units);
+  const digits = Math.min(4, Math.max(0, -Math.floor(Math.log10(Math.max(band * factor, 1e-4)))));
+  return (value * factor).toFixed(digits).replace("-", "−");
 }

@@ -1,124 +1,100 @@
-import { html } from "../app/page";
-import type { Quantity } from "../app/state";
+import { html, type Root } from "../app/dom";
+import type { Store } from "../app/store";
+import { ERRORS, nameOf, PRESENTATION, resolution, unitOf, written } from "../model/quantities";
+import type { Units } from "../model/units";
+import { type Course, type Courses, extremes, POINTS, pieces } from "../views/courses";
 import { label, onResize, path, set, svg, ticks } from "../views/svg";
-import { PRESENTATION, written } from "./quantities";
+import { type Context, type Trace, traceClass, type ViewPart } from "../views/view";
 
-/** Instants that the curve is drawn through, and how long one frame may spend on computing them. */
-const INSTANTS = 101;
-const BUDGET_MS = 5;
 /** Half the thumb: the range input's ends lie this far inside its box. */
 const INSET = 7;
 const AXIS = 20;
 /** Room above the curve, below its name. */
 const GAP = 6;
 
-/** The course of a read-out along time. */
-export interface Course {
-  readonly quantity: Quantity;
-  readonly title: string;
-  /** The value at an instant; throws where the core refuses it. Undefined is an error bound that does not exist. */
-  readonly read: (t: number) => number | undefined;
-}
-
-/** The time slider, with the course of one read-out behind it. The curve is computed in the gaps between frames. */
-export class TimeAxis {
+/** The time slider, with the course of one read-out behind it. */
+export class TimeAxis implements ViewPart {
+  readonly needs = [];
+  readonly #courses: Courses;
   readonly #input: HTMLInputElement;
   readonly #track: HTMLElement;
   readonly #svg: SVGSVGElement;
   readonly #axis: SVGGElement;
+  readonly #pins: SVGGElement;
   readonly #curve: SVGPathElement;
   readonly #cursor: SVGLineElement;
   readonly #dot: SVGCircleElement;
   readonly #caption = html("p", { className: "caption" });
-  #end = 1;
-  #unit = "l/V";
   #width = 0;
   #height = 0;
-  #t = 0;
-  #value: number | undefined;
-  /** Undefined where there is no answer, or no bound. */
-  #values: (number | undefined)[] = [];
-  #course: Course | undefined;
+  #end = 0;
+  #factor = 1;
   #top = 22;
-  #job = 0;
+  /** The curves on screen, and how far they were computed when they were drawn. */
+  #shown: readonly Course[] = [];
+  #drawnKey = "";
+  #drawn: readonly [readonly Trace[], Context] | undefined;
 
-  constructor(
-    track: HTMLElement,
-    input: HTMLInputElement,
-    onTime: (t: number) => void,
-    onStep: (step: number) => void,
-  ) {
-    this.#track = track;
+  constructor(root: Root, store: Store, courses: Courses) {
+    this.#courses = courses;
+    this.#track = root.part("track", HTMLElement);
+    const input = root.part("time", HTMLInputElement);
     this.#input = input;
-    input.addEventListener("input", () => onTime(input.valueAsNumber));
+    input.addEventListener("input", () => store.set({ t: input.valueAsNumber }));
     // An arrow key goes a two-hundredth of the axis instead of the browser's "any".
     input.addEventListener("keydown", (event) => {
       const steps: Record<string, number> = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
       const step = steps[event.key];
       if (step === undefined) return;
-      onStep(event.shiftKey ? step * 10 : step);
+      const { t, end } = store.state;
+      store.set({ t: stepped(t, event.shiftKey ? step * 10 : step, end) });
       event.preventDefault();
       event.stopPropagation();
     });
     this.#svg = svg("svg", { "aria-hidden": "true" });
     this.#axis = svg("g", { class: "axis" }, this.#svg);
+    this.#pins = svg("g", {}, this.#svg);
     this.#curve = svg("path", { class: "trace" }, this.#svg);
     this.#cursor = svg("line", { class: "cursor" }, this.#svg);
     this.#dot = svg("circle", { class: "now" }, this.#svg);
-    track.prepend(this.#svg, this.#caption);
-    onResize(track, (width, height) => {
+    this.#track.prepend(this.#svg, this.#caption);
+    onResize(this.#track, (width, height) => {
       this.#width = width;
       this.#height = height;
-      this.#layOut();
-      this.#drawCurve();
-      this.show(this.#t, this.#value);
+      this.#end = 0;
+      this.#drawnKey = "";
+      if (this.#drawn !== undefined) this.draw(...this.#drawn);
     });
   }
 
-  /** Sets the length of the axis and its unit. */
-  setEnd(end: number, unit: string): void {
-    this.#unit = unit;
-    if (end === this.#end) return;
-    this.#end = end;
-    this.#input.max = String(end);
-    if (this.#width > 0) this.#layOut();
-  }
-
-  /** Moves the cursor; `value` is the plotted read-out now. */
-  show(t: number, value: number | undefined): void {
-    this.#t = t;
-    this.#value = value;
-    if (this.#input.valueAsNumber !== t) this.#input.valueAsNumber = t;
-    this.#input.ariaValueText = `${t.toFixed(timeDigits(this.#end))} ${this.#unit}`;
-    if (this.#width > 0) this.#placeCursor();
-  }
-
-  /** Plots another course, or none. A course that was under way is dropped. */
-  plot(course: Course | undefined): void {
-    cancelAnimationFrame(this.#job);
-    this.#course = course;
-    this.#values = [];
-    if (course === undefined) {
-      this.#drawCurve();
-      return;
+  draw(traces: readonly Trace[], context: Context): void {
+    this.#drawn = [traces, context];
+    const { state, units } = context;
+    if ((state.end !== this.#end || units.time.factor !== this.#factor) && this.#width > 0) {
+      this.#end = state.end;
+      this.#factor = units.time.factor;
+      this.#input.max = String(state.end);
+      this.#layOut();
     }
-    this.#track.dataset.plane = PRESENTATION[course.quantity].plane ?? "";
-    const work = () => {
-      const start = performance.now();
-      while (this.#values.length < INSTANTS && performance.now() - start < BUDGET_MS) {
-        const t = (this.#end * this.#values.length) / (INSTANTS - 1);
-        let value: number | undefined;
-        try {
-          value = course.read(t);
-        } catch {
-          // The core refuses the instant: the curve has a gap. The reason is shown when one goes there.
-        }
-        this.#values.push(value);
-      }
-      this.#drawCurve();
-      if (this.#values.length < INSTANTS) this.#job = requestAnimationFrame(work);
-    };
-    this.#job = requestAnimationFrame(work);
+    this.#shown = traces.map(({ name, query }) => this.#courses.alongTime(name, query, state.trace, 1));
+    if (this.#input.valueAsNumber !== state.t) this.#input.valueAsNumber = state.t;
+    this.#input.ariaValueText = `${writtenTime(state.t, state.end, units)} ${units.time.plain}`;
+    if (this.#width === 0) return;
+    const key = [
+      state.trace,
+      JSON.stringify(units),
+      traces.map(({ query }) => JSON.stringify(query)).join(),
+      this.#progress(),
+    ].join();
+    if (key !== this.#drawnKey) {
+      this.#drawnKey = key;
+      this.#drawCurves(traces, context);
+    }
+    this.#placeCursor(traces[0], context);
+  }
+
+  #progress(): string {
+    return this.#shown.map(({ done }) => done).join();
   }
 
   readonly #toX = (t: number) => INSET + (t / this.#end) * (this.#width - 2 * INSET);
@@ -128,34 +104,17 @@ export class TimeAxis {
     return bottom - ((value - low) / (high - low)) * (bottom - top);
   };
 
-  /** The least and the greatest value, if there is any. */
-  #extremes(): readonly [number, number] | undefined {
-    const values = this.#values.filter((value) => value !== undefined);
-    return values.length === 0 ? undefined : [Math.min(...values), Math.max(...values)];
-  }
-
-  /** The range of the curve's height: never less than what the read-out's digits can tell apart. */
-  #range(): readonly [number, number] | undefined {
-    const extremes = this.#extremes();
-    if (this.#course === undefined || extremes === undefined) return undefined;
-    const [low, high] = extremes;
-    const { scale, digits } = PRESENTATION[this.#course.quantity];
-    const isChannel = document.body.dataset.model !== "other";
-    const least = isChannel ? 20 / (scale * 10 ** digits) : 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1e-30);
-    const spare = Math.max(0, least - (high - low)) / 2;
-    return [low - spare, high + spare];
-  }
-
   #layOut(): void {
     const bottom = this.#height - AXIS;
     set(this.#svg, { viewBox: `0 0 ${this.#width} ${this.#height}` });
-    // A tick at each whole l/V of 20.
-    const whole = 10 ** Math.floor(Math.log10(this.#end / 10));
+    // A tick at each whole l/V of 20; in other units, at as round a number.
+    const end = this.#end * this.#factor;
+    const whole = 10 ** Math.floor(Math.log10(end / 10) + 1e-9);
     const step = this.#width > 480 ? whole : 5 * whole;
     const every = this.#width > 760 ? 2 : 5;
     const parts: Element[] = [svg("path", { d: `M${INSET} ${bottom}H${this.#width - INSET}`, fill: "none" })];
-    for (const t of ticks(0, this.#end, step)) {
-      const x = this.#toX(t);
+    for (const t of ticks(0, end, step)) {
+      const x = this.#toX(t / this.#factor);
       const named = Math.round(t / whole) % every === 0;
       parts.push(svg("line", { x1: x, x2: x, y1: bottom, y2: bottom + (named ? 5 : 3) }));
       if (named) {
@@ -167,45 +126,64 @@ export class TimeAxis {
     this.#axis.replaceChildren(...parts);
   }
 
-  /** Marks the instant, and on the whole curve its value. */
-  #placeCursor(): void {
-    const x = this.#toX(this.#t);
-    set(this.#cursor, { x1: x, x2: x, y1: this.#top - 4, y2: this.#height - AXIS });
-    const range = this.#values.length === INSTANTS ? this.#range() : undefined;
-    const hasDot = this.#value !== undefined && range !== undefined;
-    set(this.#dot, { cx: x, cy: hasDot ? this.#toY(this.#value ?? 0, range) : 0, r: hasDot ? 4 : 0 });
-  }
-
-  #drawCurve(): void {
-    if (this.#width === 0) return;
-    this.#caption.textContent = this.#words();
+  #drawCurves(traces: readonly Trace[], context: Context): void {
+    const { state, units } = context;
+    this.#track.dataset.plane = PRESENTATION[state.trace].plane ?? "";
+    const validity = context.capsule.answer("live", traces[0]?.query ?? { ...state, parameters: [] }, state.t).validity;
+    const isRefused = validity.kind === "refused" && validity.cause === "query";
+    this.#caption.textContent = isRefused ? "" : this.#words(context, validity.kind === "extrapolated");
     this.#top = this.#caption.offsetHeight + GAP;
-    const range = this.#range();
-    const piece = (points: number[]) => path(points, this.#toX, (_, value) => this.#toY(value, range ?? [0, 1]));
-    set(this.#curve, { d: this.#pieces().map(piece).join("") });
-    this.#placeCursor();
+    const range = this.#range(units);
+    const d = (course: Course) =>
+      pieces(course)
+        .map((points) => path(points, this.#toX, (_, y) => this.#toY(y, range)))
+        .join("");
+    const [live, ...pinned] = this.#shown;
+    set(this.#curve, { d: live === undefined ? "" : d(live) });
+    this.#pins.replaceChildren(
+      ...pinned.map((course, i) => svg("path", { class: traceClass(traces[i + 1]?.name ?? "A"), d: d(course) })),
+    );
   }
 
-  /** The curve between its gaps: t, value, t, value, ... */
-  #pieces(): number[][] {
-    const pieces: number[][] = [[]];
-    this.#values.forEach((value, i) => {
-      if (value === undefined) pieces.push([]);
-      else pieces.at(-1)?.push((this.#end * i) / (INSTANTS - 1), value);
-    });
-    return pieces.filter((points) => points.length > 2);
+  /** The range of the curves' height: never less than what the read-out's digits can tell apart. */
+  #range(units: Units): readonly [number, number] {
+    const [low, high] = extremes(this.#shown) ?? [0, 1];
+    const quantity = this.#shown[0]?.quantity ?? "axial_length";
+    const least = 20 * resolution(quantity, Math.max(Math.abs(low), Math.abs(high)), units);
+    const spare = Math.max(0, least - (high - low)) / 2;
+    return [low - spare, high + spare];
   }
 
-  /** The course's title and, once it is whole, what it spans. */
-  #words(): string {
-    if (this.#course === undefined) return "";
-    const { quantity, title } = this.#course;
-    if (this.#values.length < INSTANTS) return title;
-    const extremes = this.#extremes();
-    if (extremes === undefined) return `${title}: none`;
-    const [least, most] = extremes.map((value) => written(quantity, value));
-    return `${title}, ${least} to ${most} ${PRESENTATION[quantity].unit}`;
+  /** Marks the instant, and on the whole curve its value. */
+  #placeCursor(live: Trace | undefined, { state, units }: Context): void {
+    const x = this.#toX(state.t);
+    set(this.#cursor, { x1: x, x2: x, y1: this.#top - 4, y2: this.#height - AXIS });
+    const value = live?.answer?.read(state.trace);
+    const hasDot = value !== undefined && this.#shown[0]?.done === POINTS;
+    set(this.#dot, { cx: x, cy: hasDot ? this.#toY(value, this.#range(units)) : 0, r: hasDot ? 4 : 0 });
   }
+
+  /** The read-out's name and, once its curve is whole, what it spans. */
+  #words({ state, units, errors }: Context, extrapolated: boolean): string {
+    const [live] = this.#shown;
+    const name = `${extrapolated ? "Extrapolated: " : ""}${nameOf(state.trace, extrapolated)}`;
+    const title = ERRORS.has(state.trace) ? `${name} ${errors.against}` : name;
+    if (live === undefined || live.done < POINTS) return title;
+    const found = extremes([live]);
+    if (found === undefined) return `${title}: none`;
+    const [least, most] = found.map((value) => written(state.trace, value, units));
+    return `${title}, ${least} to ${most} ${unitOf(state.trace, units).name}`;
+  }
+}
+
+/** An instant in the units shown, to digits that tell instants apart. */
+export function writtenTime(t: number, end: number, { time: { factor } }: Units): string {
+  return (t * factor).toFixed(timeDigits(end * factor));
+}
+
+/** The same in a sentence, without zeros at its end. */
+export function shownTime(t: number, end: number, units: Units): string {
+  return String(Number(writtenTime(t, end, units)));
 }
 
 /** Digits after the point that tell instants apart: hundredths of 20 l/V. */

@@ -1,56 +1,62 @@
-import type { Frame } from "../app/state";
-import { drawnUnit, hatch, label, onResize, set, smoothLoop, svg, ticks } from "./svg";
-
-/** What a longitudinal section shows; axial positions are in the laboratory frame. */
-export interface LongitudinalScene {
-  /** Outline from the front pole to the rear pole: x, r, x, r, ... */
-  readonly outline: Float32Array;
-  /** The outline at t = 0, when it is to be shown. */
-  readonly initial: Float32Array | undefined;
-  /** Axial position of the centroid now. */
-  readonly centroid: number;
-  readonly frame: Frame;
-  /** Position of the transversal plane relative to the centroid, when that view is open. */
-  readonly section: number | undefined;
-}
+import type { Root } from "../app/dom";
+import type { Outline } from "../model/answer";
+import type { Need } from "../model/capsule";
+import { hatch, label, onResize, set, smoothLoop, svg, tidy } from "./svg";
+import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 /** Half of what is seen across the channel: the same in both sections, so that they are drawn to one scale. */
 const HALF_HEIGHT = 1.62;
-/** Free length kept on both sides of the centroid when the laboratory window turns its page. */
-const MARGIN = 2.3;
 const AXIS_HEIGHT = 34;
 const AXIS_WIDTH = 30;
+/** Where the window begins, so that nothing is drawn. */
+const AWAY = -10;
 
-/** A section along the channel, cut by its walls at r = +-wall. */
-export class Longitudinal {
+/** A section along the channel, cut by its walls at r = +-wall. The window follows the capsule. */
+export class Longitudinal implements ViewPart {
+  readonly needs: readonly Need[] = ["outlines"];
+  readonly #outline: Outline;
   readonly #svg: SVGSVGElement;
-  readonly #plot: SVGGElement;
-  readonly #axis: SVGGElement;
+  readonly #pattern: Element | null;
+  readonly #shapes: SVGGElement;
   readonly #initial: SVGPathElement;
+  readonly #band: SVGPathElement;
   readonly #membrane: SVGPathElement;
   readonly #plane: SVGLineElement;
+  readonly #ticks: SVGGElement;
+  readonly #axis: SVGGElement;
   readonly #wall: number;
   readonly #walls: SVGElement[] = [];
   readonly #caption: SVGTextElement;
   #width = 0;
   #height = 0;
-  #scene: LongitudinalScene | undefined;
   #left = 0;
+  #factor = 1;
+  /** The whole x that the ticks begin at, and all else that they depend on. */
+  #ticked = "";
+  #drawn: readonly [readonly Trace[], Context] | undefined;
 
-  constructor(stage: HTMLElement, name: string, wall: number, onSection: (offset: number) => void) {
-    this.#wall = wall;
+  constructor(root: Root, outline: Outline, onSection: (offset: number) => void) {
+    const stage = root.part(outline, HTMLElement);
+    this.#outline = outline;
+    this.#wall = outline === "midplane" ? 1 : Math.SQRT2;
+    const name = outline === "midplane" ? "plane z = 0" : "diagonal plane y = z";
     this.#svg = svg("svg", { role: "img", "aria-label": `Section of the capsule in the ${name}` }, stage);
-    const fill = hatch(this.#svg, `hatch-${stage.id}`);
-    const clip = svg("clipPath", { id: `clip-${stage.id}` }, this.#svg);
-    this.#plot = svg("g", { "clip-path": `url(#clip-${stage.id})` }, this.#svg);
+    const fill = hatch(this.#svg, root.id(`hatch-${outline}`));
+    this.#pattern = this.#svg.querySelector("pattern");
+    const clipId = root.id(`clip-${outline}`);
+    const clip = svg("clipPath", { id: clipId }, this.#svg);
+    const plot = svg("g", { "clip-path": `url(#${clipId})` }, this.#svg);
     this.#walls.push(svg("rect", {}, clip));
     for (let i = 0; i < 2; i++) {
-      this.#walls.push(svg("rect", { fill, class: "outside" }, this.#plot), svg("line", { class: "wall" }, this.#plot));
+      this.#walls.push(svg("rect", { fill, class: "outside" }, plot), svg("line", { class: "wall" }, plot));
     }
-    this.#initial = svg("path", { class: "initial" }, this.#plot);
-    this.#membrane = svg("path", { class: "membrane" }, this.#plot);
-    this.#plane = svg("line", { class: "cut" }, this.#plot);
+    this.#shapes = svg("g", {}, plot);
+    this.#initial = svg("path", { class: "initial" }, plot);
+    this.#band = svg("path", { class: "band" }, plot);
+    this.#membrane = svg("path", { class: "membrane" }, plot);
+    this.#plane = svg("line", { class: "cut" }, plot);
     this.#axis = svg("g", { class: "axis" }, this.#svg);
+    this.#ticks = svg("g", { class: "axis" }, this.#svg);
     this.#caption = svg("text", { class: "axis-name" }, this.#svg);
     onResize(stage, (width, height) => {
       this.#width = width;
@@ -58,20 +64,33 @@ export class Longitudinal {
       this.#layOut();
       this.#redraw();
     });
+    this.#takePlane(onSection);
+  }
+
+  draw(traces: readonly Trace[], context: Context): void {
+    this.#drawn = [traces, context];
+    if (context.units.drawn.factor !== this.#factor) {
+      this.#factor = context.units.drawn.factor;
+      if (this.#width > 0) this.#layOut();
+    }
+    this.#redraw();
+  }
+
+  /** The plane of the transversal section follows the mouse or a pen; a finger that may scroll moves it by a tap. */
+  #takePlane(onSection: (offset: number) => void): void {
+    const choose = (event: MouseEvent) => {
+      const [traces, context] = this.#drawn ?? [];
+      const answer = traces?.[0]?.answer;
+      if (answer === undefined || context === undefined || !context.shows("transversal")) return;
+      const x = (event.clientX - this.#svg.getBoundingClientRect().left - AXIS_WIDTH) / this.#scale + this.#left;
+      onSection(context.state.frame === "laboratory" ? x - answer.centroid : x);
+    };
     const drag = (event: PointerEvent) => {
-      if (this.#scene !== undefined && this.#scene.section !== undefined && event.buttons === 1) {
-        const x = (event.clientX - this.#svg.getBoundingClientRect().left - AXIS_WIDTH) / this.#scale + this.#left;
-        onSection(this.#scene.frame === "laboratory" ? x - this.#scene.centroid : x);
-      }
+      if (event.pointerType !== "touch" && event.buttons === 1) choose(event);
     };
     this.#svg.addEventListener("pointerdown", drag);
     this.#svg.addEventListener("pointermove", drag);
-  }
-
-  /** Shows a section, or the empty channel. */
-  draw(scene: LongitudinalScene | undefined): void {
-    this.#scene = scene;
-    this.#redraw();
+    this.#svg.addEventListener("click", choose);
   }
 
   get #scale(): number {
@@ -80,9 +99,10 @@ export class Longitudinal {
 
   readonly #toY = (r: number) => (HALF_HEIGHT - r) * this.#scale;
 
-  /** What depends on the size alone. */
+  /** All that depends on the size alone. */
   #layOut(): void {
     const [width, bottom] = [this.#width, this.#height - AXIS_HEIGHT];
+    this.#ticked = "";
     set(this.#svg, { viewBox: `0 0 ${width} ${this.#height}` });
     const [clip, upper, upperLine, lower, lowerLine] = this.#walls;
     if (!(clip && upper && upperLine && lower && lowerLine)) return;
@@ -94,62 +114,80 @@ export class Longitudinal {
     set(upperLine, { x1: AXIS_WIDTH, x2: width, y1: top, y2: top });
     set(lowerLine, { x1: AXIS_WIDTH, x2: width, y1: low, y2: low });
     set(this.#caption, { x: AXIS_WIDTH + inner.width / 2, y: this.#height - 3, "text-anchor": "middle" });
+    const parts: Element[] = [svg("path", { d: `M${AXIS_WIDTH} 0V${bottom}H${width}`, fill: "none" })];
+    for (const r of [-1, 0, 1]) {
+      const y = this.#toY(r);
+      parts.push(svg("line", { x1: AXIS_WIDTH - 4, x2: AXIS_WIDTH, y1: y, y2: y }));
+      const text = svg("text", { x: AXIS_WIDTH - 7, y: y + 4, "text-anchor": "end" });
+      text.textContent = label(tidy(r * this.#factor));
+      parts.push(text);
+    }
+    this.#axis.replaceChildren(...parts);
   }
 
   #redraw(): void {
-    const scene = this.#scene;
-    if (scene === undefined) {
-      for (const outline of [this.#membrane, this.#initial]) set(outline, { d: "" });
-      set(this.#plane, { x1: -10, x2: -10 });
-      return;
-    }
-    if (this.#width === 0) return;
-    const laboratory = scene.frame === "laboratory";
+    if (this.#drawn === undefined || this.#width === 0) return;
+    const [traces, context] = this.#drawn;
+    const [live, ...pinned] = traces;
+    const { state } = context;
+    const answer = live?.answer;
+    const laboratory = state.frame === "laboratory";
     const visible = (this.#width - AXIS_WIDTH) / this.#scale;
-    this.#left = laboratory ? page(scene.centroid, visible) : -visible / 2;
-    const origin = laboratory ? 0 : scene.centroid;
-    const toX = (x: number) => AXIS_WIDTH + (x - origin - this.#left) * this.#scale;
-    const closed = (outline: Float32Array, shift: number) =>
-      smoothLoop(loop(outline), (x) => toX(x + shift), this.#toY);
-    set(this.#membrane, { d: closed(scene.outline, 0) });
-    // In the centroid's frame both shapes are laid over one another; the centroid starts at x = 0.
-    set(this.#initial, { d: scene.initial ? closed(scene.initial, laboratory ? 0 : scene.centroid) : "" });
-    const cut = scene.section === undefined ? -10 : toX(scene.centroid + scene.section);
-    set(this.#plane, { x1: cut, x2: cut, y1: this.#toY(this.#wall), y2: this.#toY(-this.#wall) });
-    this.#drawAxis((x) => AXIS_WIDTH + (x - this.#left) * this.#scale, visible);
-    this.#caption.innerHTML = laboratory
-      ? `<tspan class="symbol">x</tspan> [${drawnUnit()}]`
-      : `<tspan class="symbol">x</tspan> − <tspan class="symbol">X</tspan><tspan class="sub" dy="3">c</tspan><tspan dy="-3"> [${drawnUnit()}]</tspan>`;
+    const centre = answer?.centroid ?? pinned.find((pin) => pin.answer !== undefined)?.answer?.centroid ?? 0;
+    this.#left = (laboratory ? centre : 0) - visible / 2;
+    const toX = (x: number) => AXIS_WIDTH + (x - this.#left) * this.#scale;
+    const closed = (outline: Float32Array, centroid: number) =>
+      smoothLoop(loop(outline), (x) => toX(laboratory ? x : x - centroid), this.#toY);
+
+    if (answer === undefined) {
+      for (const shape of [this.#membrane, this.#initial, this.#band]) set(shape, { d: "" });
+      set(this.#plane, { x1: AWAY, x2: AWAY });
+    } else {
+      const d = closed(answer.outline(this.#outline), answer.centroid);
+      set(this.#membrane, { d, class: `membrane${answer.isUncertain ? " uncertain" : ""}` });
+      set(this.#band, { d, "stroke-width": 2 * answer.band * (live?.radius ?? 1) * this.#scale });
+      const start = state.initial ? live?.start() : undefined;
+      set(this.#initial, { d: start === undefined ? "" : closed(start.outline(this.#outline), start.centroid) });
+      const cut = context.shows("transversal") ? toX((laboratory ? answer.centroid : 0) + state.section) : AWAY;
+      set(this.#plane, { x1: cut, x2: cut, y1: this.#toY(this.#wall), y2: this.#toY(-this.#wall) });
+    }
+    this.#shapes.replaceChildren(
+      ...pinned.flatMap(({ name, answer: pin }) =>
+        pin === undefined
+          ? []
+          : [svg("path", { class: traceClass(name), d: closed(pin.outline(this.#outline), pin.centroid) })],
+      ),
+    );
+    this.#drawTicks(visible, context, laboratory);
   }
 
-  #drawAxis(toX: (x: number) => number, visible: number): void {
+  /** Ticks at whole x. They move with the window, and are made anew when a whole x enters or leaves. */
+  #drawTicks(visible: number, { units }: Context, laboratory: boolean): void {
+    const first = Math.ceil(this.#left);
+    const shift = (first - this.#left) * this.#scale;
+    this.#ticks.setAttribute("transform", `translate(${shift.toFixed(2)} 0)`);
+    this.#pattern?.setAttribute(
+      "patternTransform",
+      `translate(${(-this.#left * this.#scale).toFixed(2)} 0) rotate(45)`,
+    );
+    const key = [first, laboratory, units.drawn.name, units.drawn.factor].join(" ");
+    if (key === this.#ticked) return;
+    this.#ticked = key;
     const bottom = this.#height - AXIS_HEIGHT;
     const parts: Element[] = [];
-    for (const x of ticks(this.#left, this.#left + visible, 1)) {
-      parts.push(svg("line", { x1: toX(x), x2: toX(x), y1: bottom, y2: bottom + 4 }));
-      if (toX(x) > this.#width - 8) continue;
-      const text = svg("text", { x: toX(x), y: bottom + 16, "text-anchor": "middle" });
-      text.textContent = label(x);
+    for (let i = 0; i < visible - 0.2; i++) {
+      const x = AXIS_WIDTH + i * this.#scale;
+      parts.push(svg("line", { x1: x, x2: x, y1: bottom, y2: bottom + 4 }));
+      const text = svg("text", { x, y: bottom + 16, "text-anchor": "middle" });
+      text.textContent = label(tidy((first + i) * units.drawn.factor));
       parts.push(text);
     }
-    for (const r of [-1, 0, 1]) {
-      parts.push(svg("line", { x1: AXIS_WIDTH - 4, x2: AXIS_WIDTH, y1: this.#toY(r), y2: this.#toY(r) }));
-      const text = svg("text", { x: AXIS_WIDTH - 7, y: this.#toY(r) + 4, "text-anchor": "end" });
-      text.textContent = label(r);
-      parts.push(text);
-    }
-    parts.push(svg("path", { d: `M${AXIS_WIDTH} 0V${bottom}H${this.#width}`, fill: "none" }));
-    this.#axis.replaceChildren(...parts);
+    this.#ticks.replaceChildren(...parts);
+    const unit = units.drawn.name;
+    this.#caption.innerHTML = laboratory
+      ? `<tspan class="symbol">x</tspan> [${unit}]`
+      : `<tspan class="symbol">x</tspan> − <tspan class="symbol">X</tspan><tspan class="sub" dy="3">c</tspan><tspan dy="-3"> [${unit}]</tspan>`;
   }
-}
-
-/**
- * Left end of the laboratory window: it stands still while the capsule crosses it, then turns the page, so that
- * motion is seen against fixed walls. A function of the position alone, hence the same however time was reached.
- */
-export function page(centroid: number, visible: number): number {
-  const advance = Math.max(visible - 2 * MARGIN, 1);
-  return Math.floor(centroid / advance + 1e-9) * advance - (visible - advance) / 2;
 }
 
 /** Both halves of an outline that runs from pole to pole; the poles, on the axis, are there once. */

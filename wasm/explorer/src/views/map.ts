@@ -1,16 +1,32 @@
-import { hatch, label, onResize, set, svg, ticks } from "./svg";
+import type { Root } from "../app/dom";
+import type { Scale } from "../app/schema";
+import type { Capsule, Need } from "../model/capsule";
+import type { Unit } from "../model/units";
+import type { Contour } from "./map-layer";
+import { hatch, label, onResize, set, svg, ticks, tidy } from "./svg";
+import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
-/** What the map knows of the model. */
-export interface Domain {
+/** The domain of a model. */
+interface Domain {
   readonly caRange: Span;
   readonly confinementRange: Span;
   /** Ca, a/l, Ca, a/l, ... */
   readonly samples: Float64Array;
   /** a/l, largest steady Ca, a/l, ... by rising a/l. */
   readonly steadyLimit: Float64Array;
+  /** a/l, Ca, a/l, ... where the solution jumps; empty where it does not. */
+  readonly jumpBorder: Float64Array;
   /** Time by which a steady state must be reached. */
   readonly end: number;
+  readonly time: Unit;
 }
+
+/** Places on an axis for a value, 0 at the first and 1 at the last of its span, and back. */
+const AXES: Record<Scale, readonly [to: (value: number) => number, from: (place: number) => number]> = {
+  linear: [(value) => value, (place) => place],
+  root: [(value) => Math.sqrt(Math.max(value, 0)), (place) => place ** 2],
+  log: [(value) => Math.log(Math.max(value, 1e-9)), Math.exp],
+};
 
 type Span = readonly [number, number];
 
@@ -20,42 +36,72 @@ interface Point {
 }
 
 const NONE = new Float64Array();
+const NO_UNIT: Unit = { name: "", plain: "", factor: 1 };
 const INSET = { left: 44, right: 10, top: 8, bottom: 40 };
 /** Steps of the keys and of the mouse; with Shift, a fifth of them. */
 const STEP: Point = { ca: 0.005, confinement: 0.01 };
 
 /** The plane of the parameters: sampled points, the region with a steady state, and the current choice to drag. */
-export class ParameterMap {
-  #domain: Domain = { caRange: [0, 1], confinementRange: [0, 1], samples: NONE, steadyLimit: NONE, end: 0 };
+export class ParameterMap implements ViewPart {
+  readonly needs: readonly Need[] = ["channel"];
+  #domain: Domain = {
+    caRange: [0, 1],
+    confinementRange: [0, 1],
+    samples: NONE,
+    steadyLimit: NONE,
+    jumpBorder: NONE,
+    end: 0,
+    time: NO_UNIT,
+  };
   readonly #onChoice: (point: Point) => void;
   readonly #svg: SVGSVGElement;
   readonly #ground: SVGGElement;
+  readonly #layer: SVGGElement;
+  readonly #pins: SVGGElement;
   readonly #guides: SVGPathElement;
   readonly #handle: SVGCircleElement;
   readonly #ring: SVGCircleElement;
   readonly #grip: SVGCircleElement;
   readonly #fill: string;
+  readonly #limitId: string;
+  readonly #jumpId: string;
   #caSpan: Span = [0, 1];
   #confinementSpan: Span = [0, 1];
   #width = 0;
   #height = 0;
+  #traces: readonly Trace[] = [];
+  #contoured: readonly Contour[] | undefined;
   #point: Point = { ca: 0, confinement: 0 };
+  #capsule: Capsule | undefined;
+  #scale: Scale = "linear";
+  #hasSamples = true;
+  /** Contours of the layer, which another part computes. */
+  contours: readonly Contour[] = [];
 
-  constructor(stage: HTMLElement, onChoice: (point: Point) => void) {
+  constructor(root: Root, onChoice: (point: Point) => void) {
+    const stage = root.part("map", HTMLElement);
     this.#onChoice = onChoice;
     this.#svg = svg("svg");
     this.#svg.setAttribute("role", "group");
     this.#svg.setAttribute("aria-label", "Map of the parameter domain");
-    this.#fill = hatch(this.#svg, "hatch-map");
+    this.#fill = hatch(this.#svg, root.id("hatch-map"));
+    this.#limitId = root.id("steady-limit");
+    this.#jumpId = root.id("jump-border");
     this.#ground = svg("g", { class: "axis" }, this.#svg);
+    this.#layer = svg("g", { class: "layer" }, this.#svg);
     this.#guides = svg("path", { class: "guide", fill: "none" }, this.#svg);
-    const surface = svg("rect", { class: "surface", width: "100%", height: "100%", id: "map-surface" }, this.#svg);
+    const surface = svg(
+      "rect",
+      { class: "surface", width: "100%", height: "100%", id: root.id("map-surface") },
+      this.#svg,
+    );
+    this.#pins = svg("g", {}, this.#svg);
     this.#handle = svg("circle", { class: "point", r: 8, tabindex: 0, role: "slider" }, this.#svg);
     this.#ring = svg("circle", { class: "focus-ring", r: 12 }, this.#svg);
-    // What a finger takes hold of is larger than what is seen.
+    // A finger takes hold of more than is seen.
     this.#grip = svg("circle", { class: "grip", r: 22 }, this.#svg);
     set(this.#handle, {
-      id: "map-point",
+      id: root.id("map-point"),
       "aria-label": "Capillary number and confinement; arrow keys move, with Shift in finer steps",
       "aria-orientation": "horizontal",
     });
@@ -64,7 +110,7 @@ export class ParameterMap {
       this.#width = width;
       this.#height = height;
       this.#layOut();
-      this.show(this.#point);
+      this.#show();
     });
     for (const target of [surface, this.#grip] as SVGGraphicsElement[]) {
       target.addEventListener("pointerdown", (event) => this.#grasp(event, target));
@@ -76,37 +122,91 @@ export class ParameterMap {
     this.#handle.addEventListener("keydown", (event) => this.#step(event));
   }
 
-  /** Draws the domain of a model. */
-  setDomain(domain: Domain): void {
-    const [caLeast, caMost] = domain.caRange;
-    const [least, most] = domain.confinementRange;
+  draw(traces: readonly Trace[], { state, capsule, units }: Context): void {
+    const isOther = units.time.factor !== this.#domain.time.factor;
+    if (isOther || capsule !== this.#capsule || state.scale !== this.#scale || state.samples !== this.#hasSamples) {
+      this.#capsule = capsule;
+      this.#scale = state.scale;
+      this.#hasSamples = state.samples;
+      this.#setDomain(capsule, units.time);
+    }
+    this.#point = state;
+    this.#traces = traces;
+    this.#show();
+  }
+
+  #setDomain({ model }: Capsule, time: Unit): void {
+    const [caLeast = 0, caMost = 1, least = 0, most = 1] = model.ranges();
     const margin = 0.07 * (most - least);
-    this.#domain = domain;
-    this.#caSpan = [0, caMost + 0.06 * (caMost - caLeast)];
+    this.#domain = {
+      caRange: [caLeast, caMost],
+      confinementRange: [least, most],
+      samples: model.samples(),
+      steadyLimit: model.steadyLimit(),
+      jumpBorder: model.jumpBorder(),
+      end: model.endTime,
+      time,
+    };
+    const beyond = caMost + 0.06 * (caMost - caLeast);
+    this.#caSpan = [this.#scale === "log" ? caLeast / 1.3 : 0, beyond];
     this.#confinementSpan = [least - margin, most + margin];
     set(this.#handle, { "aria-valuemin": String(this.#caSpan[0]), "aria-valuemax": String(this.#caSpan[1]) });
     if (this.#width > 0) this.#layOut();
   }
 
-  /** Moves the current point. */
-  show(point: Point): void {
-    this.#point = point;
+  /** Places the current point, the pinned ones and the contours. */
+  #show(): void {
     if (this.#width === 0) return;
-    const x = clamp(this.#toX(point.ca), INSET.left, this.#width - INSET.right);
-    const y = clamp(this.#toY(point.confinement), INSET.top, this.#height - INSET.bottom);
-    for (const circle of [this.#handle, this.#ring, this.#grip]) {
-      set(circle, { cx: x, cy: y });
-    }
+    const place = ({ ca, confinement }: Point) =>
+      [
+        clamp(this.#toX(ca), INSET.left, this.#width - INSET.right),
+        clamp(this.#toY(confinement), INSET.top, this.#height - INSET.bottom),
+      ] as const;
+    const [x, y] = place(this.#point);
+    for (const circle of [this.#handle, this.#ring, this.#grip]) set(circle, { cx: x, cy: y });
     set(this.#guides, { d: `M${INSET.left} ${y}H${x}V${this.#height - INSET.bottom}` });
     set(this.#handle, {
-      "aria-valuenow": String(clamp(point.ca, ...this.#caSpan)),
-      "aria-valuetext": `Ca ${short(point.ca)}, a/l ${short(point.confinement)}`,
+      "aria-valuenow": String(clamp(this.#point.ca, ...this.#caSpan)),
+      "aria-valuetext": `Ca ${short(this.#point.ca)}, a/l ${short(this.#point.confinement)}`,
     });
+    const pins = this.#traces.flatMap(({ name, query }): Element[] => {
+      if (name === "live") return [];
+      const [ca = 0, confinement = 0] = query.parameters;
+      const [px, py] = place({ ca, confinement });
+      const mark = svg("circle", { class: traceClass(name), cx: px, cy: py, r: 5 });
+      return [mark, written(svg("text", { class: "pin-name", x: px + 8, y: py - 6 }), name)];
+    });
+    this.#pins.replaceChildren(...pins);
+    this.#drawLayer();
+  }
+
+  /** The regions above the levels of the layer, laid over one another, each with its level on its longest ring. */
+  #drawLayer(): void {
+    if (this.contours === this.#contoured) return;
+    this.#contoured = this.contours;
+    const { caRange, confinementRange } = this.#domain;
+    const at = ([ca, confinement]: readonly [number, number]) =>
+      [this.#toX(clamp(ca, ...caRange)), this.#toY(clamp(confinement, ...confinementRange))] as const;
+    const labels: Element[] = [];
+    const regions = this.contours.map(({ label: name, rings }) => {
+      const drawn = rings.map((ring) => ring.map(at));
+      const longest = drawn.reduce((a, b) => (b.length > a.length ? b : a), drawn[0] ?? []);
+      const [x, y] = longest[longest.length >> 1] ?? [0, 0];
+      if (longest.length > 8)
+        labels.push(written(svg("text", { class: "level", x, y: y + 4, "text-anchor": "middle" }), name));
+      const d = drawn
+        .map((ring) => `M${ring.map(([px, py]) => `${px.toFixed(1)} ${py.toFixed(1)}`).join("L")}Z`)
+        .join("");
+      return svg("path", { class: "contour", d, "fill-rule": "evenodd" });
+    });
+    this.#layer.replaceChildren(...regions, ...labels);
   }
 
   readonly #toX = (ca: number) => {
     const [from, to] = this.#caSpan;
-    return INSET.left + ((ca - from) / (to - from)) * (this.#width - INSET.left - INSET.right);
+    const [place] = AXES[this.#scale];
+    const share = (place(ca) - place(from)) / (place(to) - place(from));
+    return INSET.left + share * (this.#width - INSET.left - INSET.right);
   };
 
   readonly #toY = (confinement: number) => {
@@ -127,6 +227,7 @@ export class ParameterMap {
     for (let i = 0; i + 1 < steadyLimit.length; i += 2) {
       curve.push({ confinement: steadyLimit[i] ?? 0, ca: steadyLimit[i + 1] ?? 0 });
     }
+    this.#contoured = undefined;
     const border = between(curve, confinementRange).map(
       ({ ca, confinement }) => `${toX(Math.min(ca, this.#caSpan[1])).toFixed(2)} ${toY(confinement).toFixed(2)}`,
     );
@@ -138,16 +239,21 @@ export class ParameterMap {
       svg("rect", { class: "unsteady", x: least, y: high, width: most - least, height: low - high, fill: this.#fill }),
       svg("path", { class: "steady", d: `M${least} ${low}L${border.join("L")}L${least} ${high}Z` }),
       svg("rect", { class: "border", x: least, y: high, width: most - least, height: low - high }),
-      svg("path", { class: "limit", d: `M${border.join("L")}` }),
+      // From left to right, so that the name along it stands upright.
+      svg("path", { class: "limit", d: `M${border.toReversed().join("L")}`, id: this.#limitId }),
+      this.#nameAlong(this.#limitId, "largest steady Ca", "30%"),
+      ...this.#jump(),
     ];
-    for (let i = 0; i + 1 < samples.length; i += 2) {
+    for (let i = 0; this.#hasSamples && i + 1 < samples.length; i += 2) {
       const [ca, confinement] = [samples[i] ?? 0, samples[i + 1] ?? 0];
       const shown = holds(this.#caSpan, ca) && holds(this.#confinementSpan, confinement);
       if (shown) parts.push(svg("circle", { class: "sample", cx: toX(ca), cy: toY(confinement), r: 1.4 }));
     }
     parts.push(svg("path", { d: `M${left} ${top}V${bottom}H${right}`, fill: "none" }));
     const steps = { ca: (this.#caSpan[1] > 0.3 ? 2 : 1) * 0.05, confinement: 0.1 };
-    for (const ca of ticks(...this.#caSpan, steps.ca)) {
+    const regular = ticks(...this.#caSpan, steps.ca);
+    const marks = { linear: regular, root: [0, 0.01, 0.05, ...regular], log: [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5] };
+    for (const ca of new Set(marks[this.#scale].filter((value) => holds(this.#caSpan, value)))) {
       parts.push(svg("line", { x1: toX(ca), x2: toX(ca), y1: bottom, y2: bottom + 4 }));
       parts.push(written(svg("text", { x: toX(ca), y: bottom + 17, "text-anchor": "middle" }), label(ca)));
     }
@@ -164,13 +270,41 @@ export class ParameterMap {
     this.#ground.replaceChildren(...parts);
   }
 
+  /** A name along a path. */
+  #nameAlong(id: string, name: string, startOffset: string): Element {
+    const text = svg("text", { class: "region", dy: -5 });
+    const along = svg("textPath", { href: `#${id}`, startOffset }, text);
+    written(along, name);
+    return text;
+  }
+
+  /** The border that interpolation does not cross, with its name. */
+  #jump(): Element[] {
+    const points: string[] = [];
+    const { jumpBorder, caRange, confinementRange } = this.#domain;
+    for (let i = 0; i + 1 < jumpBorder.length; i += 2) {
+      const [confinement, ca] = [jumpBorder[i] ?? 0, jumpBorder[i + 1] ?? 0];
+      if (!holds(caRange, ca) || !holds(confinementRange, confinement)) continue;
+      points.push(`${this.#toX(ca).toFixed(2)} ${this.#toY(confinement).toFixed(2)}`);
+    }
+    if (points.length < 2) return [];
+    return [
+      svg("path", { class: "jump", d: `M${points.toReversed().join("L")}`, id: this.#jumpId }),
+      this.#nameAlong(this.#jumpId, "jump", "20%"),
+    ];
+  }
+
   /** The name of the region beyond the limit, in its far corner, where it has most room. */
   #regionNames(): Element[] {
+    // On the other scales of Ca it is too narrow for words.
+    if (this.#scale !== "linear") return [];
     const x = this.#toX(this.#domain.caRange[1]) - 10;
     const y = this.#toY(this.#domain.confinementRange[1]) + 22;
     const line = (text: string, dy: number) =>
       written(svg("text", { class: "region", x, y: y + dy, "text-anchor": "end" }), text);
-    return [line("no steady state", 0), line(`before t = ${this.#domain.end}`, 16)];
+    const { end, time } = this.#domain;
+    const before = time.factor === 1 ? `${end}` : `${tidy(end * time.factor)} ${time.name}`;
+    return [line("no steady state", 0), line(`before t = ${before}`, 16)];
   }
 
   /** Begins to drag. A finger on the bare map may want to scroll the page: there it chooses by a tap. */
@@ -186,8 +320,10 @@ export class ParameterMap {
     const box = this.#svg.getBoundingClientRect();
     const fine = event.shiftKey ? 5 : 1;
     const place = (pixels: number, size: number, [from, to]: Span) => from + clamp(pixels / size, 0, 1) * (to - from);
+    const [toPlace, toCa] = AXES[this.#scale];
+    const [from, to] = this.#caSpan;
     const [x, y] = [event.clientX - box.left - INSET.left, box.bottom - event.clientY - INSET.bottom];
-    const ca = place(x, this.#width - INSET.left - INSET.right, this.#caSpan);
+    const ca = toCa(place(x, this.#width - INSET.left - INSET.right, [toPlace(from), toPlace(to)]));
     const confinement = place(y, this.#height - INSET.top - INSET.bottom, this.#confinementSpan);
     this.#onChoice({
       ca: Math.max(rounded(ca, 0.001 / fine), 0.001),

@@ -3,15 +3,10 @@ import {
   BufferGeometry,
   DirectionalLight,
   DoubleSide,
-  Group,
   HemisphereLight,
-  LineBasicMaterial,
-  LineSegments,
   Mesh,
-  MeshBasicMaterial,
   MeshStandardMaterial,
   PerspectiveCamera,
-  PlaneGeometry,
   Scene,
   Spherical,
   Vector3,
@@ -21,27 +16,44 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
-import type { Frame } from "../app/state";
-import { label, onResize } from "./svg";
-
-/** What the space view shows. All positions are relative to the capsule's centroid, which stays in mid-picture. */
-export interface SolidScene {
-  /** Node positions x, y, z, ...; read during the call, not kept. */
-  readonly positions: Float32Array;
-  /** Vertices at t = 0, when the centroid was at x = 0, where they are to be shown. */
-  readonly initial: Float32Array | undefined;
-  /** Axial position of the centroid in the laboratory frame. */
-  readonly centroid: number;
-  readonly frame: Frame;
-  /** Curves on the membrane where the shown section planes cut it. */
-  readonly cuts: readonly { readonly plane: Cut; readonly points: Float32Array }[];
-}
+import { Channel, fadeOut, REACH } from "./channel";
+import { label, onResize, tidy } from "./svg";
+import type { Trace } from "./view";
 
 export type Cut = "midplane" | "diagonal" | "transversal";
 
-/** Length of channel drawn on each side of the capsule; it fades out towards the ends. */
-const REACH = 7;
-const HOME = new Vector3(-6.2, 3.6, 9.2);
+/** One capsule. */
+export interface SolidBody {
+  readonly name: Trace["name"];
+  /** Vertices x, y, z, ... relative to its centroid; read during the call, not kept. */
+  readonly positions: Float32Array;
+  /** Unit normals at the vertices. */
+  readonly normals: Float32Array;
+  /** Axial position of its centroid relative to the live one's. */
+  readonly shift: number;
+}
+
+/** The space view's content. All positions are relative to the live capsule's centroid, which stays in mid-picture. */
+export interface SolidScene {
+  /** The live one first; the others stand beside it, each in a part of the picture. */
+  readonly bodies: readonly SolidBody[];
+  /** The live one at t = 0, where it is to be shown. */
+  readonly initial: SolidBody | undefined;
+  /** Axial position that the channel's rings are numbered from, and what one of the drawn length is in their unit. */
+  readonly origin: number;
+  readonly factor: number;
+  /** Curves on the membrane where the open section planes cut it. */
+  readonly cuts: readonly { readonly plane: Cut; readonly points: Float32Array }[];
+}
+
+/** Called when the browser takes the graphics context away, and when it gives it back. */
+export interface ContextListener {
+  readonly lost: () => void;
+  readonly restored: () => void;
+}
+
+/** Seen from beside and a little above, z upwards as in the transversal section. */
+const HOME = new Vector3(-6.2, -9.2, 3.6);
 
 /** The capsule in the channel, seen in space. */
 export class Solid {
@@ -49,33 +61,27 @@ export class Solid {
   readonly #scene = new Scene();
   readonly #camera = new PerspectiveCamera(24, 1, 1, 60);
   readonly #controls: OrbitControls;
-  readonly #surface = new MeshStandardMaterial({ side: DoubleSide, roughness: 0.5, metalness: 0 });
   readonly #ghost = new MeshStandardMaterial({ transparent: true, opacity: 0.22, roughness: 0.8, depthWrite: false });
-  readonly #wall = new MeshBasicMaterial({
-    vertexColors: true,
-    transparent: true,
-    opacity: 0.07,
-    side: DoubleSide,
-    depthWrite: false,
-  });
-  readonly #edge = new LineBasicMaterial({ vertexColors: true, transparent: true });
-  readonly #capsule = new Mesh(new BufferGeometry(), this.#surface);
   readonly #initial = new Mesh(new BufferGeometry(), this.#ghost);
-  readonly #edges = new LineSegments(new BufferGeometry(), this.#edge);
-  readonly #rings = new LineSegments(new BufferGeometry(), this.#edge);
-  readonly #cuts: Record<Cut, Line2>;
-  readonly #channel: Group;
-  readonly #labels: HTMLElement;
+  readonly #channel = new Channel();
+  readonly #cuts: Record<Cut, Line2> = { midplane: cutLine(), diagonal: cutLine(), transversal: cutLine() };
+  readonly #labels = document.createElement("div");
   readonly #stage: HTMLElement;
+  /** A mesh for each body; the first is the live one's. */
+  readonly #meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
+  #triangles: Uint32Array = new Uint32Array();
+  /** The names of the bodies on screen. */
+  #shown: readonly Trace["name"][] = [];
   #width = 1;
   #height = 1;
-  #shift = 0;
-  #firstLabel = 0;
+  #origin = 0;
+  #factor = 1;
 
   /** Throws when the browser has no WebGL. */
-  constructor(stage: HTMLElement) {
+  constructor(stage: HTMLElement, { lost, restored }: ContextListener) {
     this.#stage = stage;
     this.#renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
+    this.#renderer.autoClear = false;
     const canvas = this.#renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
@@ -83,36 +89,26 @@ export class Solid {
       "aria-label",
       "Capsule in the channel, in space. Drag or use the arrow keys to turn, + and − to zoom.",
     );
-    this.#labels = document.createElement("div");
+    canvas.addEventListener("webglcontextlost", lost);
+    canvas.addEventListener("webglcontextrestored", () => {
+      restored();
+      this.#render();
+    });
     this.#labels.className = "ring-labels";
     this.#labels.ariaHidden = "true";
     stage.replaceChildren(canvas, this.#labels);
 
     this.#initial.renderOrder = 2;
-    // The curves on the membrane join its nodes, the surface bulges a little between: draw it that much farther away.
-    this.#surface.polygonOffset = true;
-    this.#surface.polygonOffsetFactor = 2;
-    this.#surface.polygonOffsetUnits = 300;
-    for (const mesh of [this.#capsule, this.#initial]) {
-      mesh.frustumCulled = false;
-    }
-    this.#cuts = { midplane: cutLine(), diagonal: cutLine(), transversal: cutLine() };
-
-    this.#channel = this.#walls();
+    this.#initial.frustumCulled = false;
     const key = new DirectionalLight(0xffffff, 1.9);
-    key.position.set(-3, 7, 5);
+    key.position.set(-3, -5, 7);
     const rim = new DirectionalLight(0xffffff, 0.7);
-    rim.position.set(6, -2, -5);
-    this.#scene.add(new HemisphereLight(0xffffff, 0x8a98a3, 1.5), key, rim);
-    this.#scene.add(
-      this.#capsule,
-      this.#initial,
-      this.#edges,
-      this.#rings,
-      ...Object.values(this.#cuts),
-      this.#channel,
-    );
+    rim.position.set(6, 5, -2);
+    const sky = new HemisphereLight(0xffffff, 0x8a98a3, 1.5);
+    sky.position.set(0, 0, 1);
+    this.#scene.add(sky, key, rim, this.#initial, this.#channel.group, ...Object.values(this.#cuts));
 
+    this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.enablePan = false;
     // A finger that moves up or down scrolls the page; sideways it turns the capsule.
@@ -128,7 +124,6 @@ export class Solid {
       this.#height = height;
       this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
       this.#renderer.setSize(width, height);
-      this.#camera.aspect = width / height;
       this.#frameCapsule();
       this.#render();
     });
@@ -136,31 +131,28 @@ export class Solid {
 
   /** Sets the surface's triangles, which all positions that follow refer to. */
   setTriangles(triangles: Uint32Array): void {
-    for (const mesh of [this.#capsule, this.#initial]) {
-      mesh.geometry.dispose();
-      mesh.geometry = new BufferGeometry().setIndex(new BufferAttribute(triangles, 1));
-    }
+    this.#triangles = triangles;
+    for (const { geometry } of this.#meshes.splice(0)) geometry.dispose();
+    this.#initial.geometry.dispose();
+    this.#initial.geometry = new BufferGeometry().setIndex(new BufferAttribute(triangles, 1));
   }
 
   /** Shows the channel, or leaves it out for a model that has none. */
   setChannel(exists: boolean): void {
-    for (const part of [this.#edges, this.#rings, this.#channel]) {
-      part.visible = exists;
-    }
+    this.#channel.group.visible = exists;
     this.#labels.hidden = !exists;
   }
 
   /** Takes the colours of the theme; call it again when the theme changes. */
   recolour(): void {
-    const style = getComputedStyle(document.documentElement);
+    const style = getComputedStyle(this.#stage);
     const colour = (name: string) => style.getPropertyValue(`--${name}`).trim();
-    this.#surface.color.set(colour("membrane"));
+    this.#shown.forEach((name, i) => {
+      this.#meshes[i]?.material.color.set(colour(name === "live" ? "membrane" : `pin-${name}`));
+    });
     this.#ghost.color.set(colour("wall"));
-    this.#wall.color.set(colour("wall"));
-    this.#edge.color.set(colour("wall"));
-    for (const [plane, line] of Object.entries(this.#cuts)) {
-      line.material.color.set(colour(plane));
-    }
+    this.#channel.colour = colour("wall");
+    for (const [plane, line] of Object.entries(this.#cuts)) line.material.color.set(colour(plane));
     this.#render();
   }
 
@@ -172,23 +164,43 @@ export class Solid {
     this.#render();
   }
 
-  /** Shows the capsule, or the empty channel. */
+  /** Shows the capsules, or the empty channel. */
   draw(scene: SolidScene | undefined): void {
-    for (const part of [this.#capsule, this.#initial, ...Object.values(this.#cuts)]) {
-      part.visible = false;
-    }
+    const names = scene?.bodies.map(({ name }) => name) ?? [];
+    const isNew = names.join() !== this.#shown.join();
+    this.#shown = names;
+    this.#initial.visible = scene?.initial !== undefined;
+    for (const line of Object.values(this.#cuts)) line.visible = false;
     if (scene !== undefined) this.#place(scene);
+    if (isNew) {
+      this.recolour();
+      this.#frameCapsule();
+    }
     this.#render();
   }
 
+  /** The picture as it is on screen. */
+  picture(): HTMLCanvasElement {
+    this.#render();
+    return this.#renderer.domElement;
+  }
+
+  dispose(): void {
+    this.#controls.dispose();
+    this.#renderer.dispose();
+  }
+
   #place(scene: SolidScene): void {
-    this.#capsule.visible = true;
-    replace(this.#capsule.geometry, scene.positions);
-    this.#capsule.geometry.computeVertexNormals();
+    scene.bodies.forEach(({ positions, normals, shift }, i) => {
+      const mesh = this.#mesh(i);
+      replace(mesh.geometry, "position", positions);
+      replace(mesh.geometry, "normal", normals);
+      mesh.position.x = shift;
+    });
     if (scene.initial !== undefined) {
-      this.#initial.visible = true;
-      replace(this.#initial.geometry, scene.initial);
-      this.#initial.position.x = -scene.centroid;
+      replace(this.#initial.geometry, "position", scene.initial.positions);
+      replace(this.#initial.geometry, "normal", scene.initial.normals);
+      this.#initial.position.x = scene.initial.shift;
     }
     for (const { plane, points } of scene.cuts) {
       if (points.length < 6) continue;
@@ -198,66 +210,30 @@ export class Solid {
       line.geometry.setPositions(points);
       line.visible = true;
     }
-    this.#drawChannel(scene.frame === "laboratory" ? scene.centroid : 0);
+    this.#origin = scene.origin;
+    this.#factor = scene.factor;
+    this.#channel.moveTo(scene.origin);
   }
 
-  /** The four edges, and a ring at each whole x. */
-  #drawChannel(origin: number): void {
-    const first = Math.ceil(origin - REACH);
-    this.#shift = origin;
-    this.#firstLabel = first;
-    const rings: number[] = [];
-    const fades: number[] = [];
-    const corners = [-1, -1, 1, -1, 1, 1, -1, 1] as const;
-    for (let x = first; x <= origin + REACH; x++) {
-      const at = x - origin;
-      const fade = (x % 5 === 0 ? 0.75 : 0.28) * fadeOut(at);
-      for (let i = 0; i < 4; i++) {
-        const j = (i + 1) % 4;
-        rings.push(at, corners[2 * i] ?? 0, corners[2 * i + 1] ?? 0, at, corners[2 * j] ?? 0, corners[2 * j + 1] ?? 0);
-        fades.push(1, 1, 1, fade, 1, 1, 1, fade);
-      }
+  #mesh(i: number): Mesh<BufferGeometry, MeshStandardMaterial> {
+    let mesh = this.#meshes[i];
+    if (mesh === undefined) {
+      const material = new MeshStandardMaterial({ side: DoubleSide, roughness: 0.5, metalness: 0 });
+      // The curves on the membrane join its nodes, the surface bulges a little between: draw it that much farther away.
+      material.polygonOffset = true;
+      material.polygonOffsetFactor = 2;
+      material.polygonOffsetUnits = 300;
+      mesh = new Mesh(new BufferGeometry().setIndex(new BufferAttribute(this.#triangles, 1)), material);
+      mesh.frustumCulled = false;
+      this.#meshes[i] = mesh;
+      this.#scene.add(mesh);
     }
-    this.#rings.geometry.dispose();
-    this.#rings.geometry = lines(rings, fades);
-    if (this.#edges.geometry.getAttribute("position") === undefined) {
-      const along: number[] = [];
-      const alpha: number[] = [];
-      for (let i = 0; i < 4; i++) {
-        for (let x = -REACH; x < REACH; x++) {
-          along.push(
-            x,
-            corners[2 * i] ?? 0,
-            corners[2 * i + 1] ?? 0,
-            x + 1,
-            corners[2 * i] ?? 0,
-            corners[2 * i + 1] ?? 0,
-          );
-          alpha.push(1, 1, 1, fadeOut(x), 1, 1, 1, fadeOut(x + 1));
-        }
-      }
-      this.#edges.geometry = lines(along, alpha);
-    }
+    return mesh;
   }
 
-  /** The wall below and the one behind, barely tinted. */
-  #walls(): Group {
-    const group = new Group();
-    const plane = new PlaneGeometry(2 * REACH, 2, 2 * REACH, 1);
-    const x = plane.getAttribute("position");
-    const fades = Float32Array.from({ length: 4 * x.count }, (_, i) => (i % 4 === 3 ? fadeOut(x.getX(i >> 2)) : 1));
-    plane.setAttribute("color", new BufferAttribute(fades, 4));
-    const floor = new Mesh(plane, this.#wall);
-    floor.rotation.x = -Math.PI / 2;
-    floor.position.y = -1;
-    const back = new Mesh(plane, this.#wall);
-    back.position.z = -1;
-    group.add(floor, back);
-    return group;
-  }
-
-  /** Steps back on a narrow stage, so that the capsule and the walls around it fit its width. */
+  /** Steps back in a narrow part of the picture, so that the capsule and the walls around it fit its width. */
   #frameCapsule(): void {
+    this.#camera.aspect = this.#width / Math.max(1, this.#shown.length) / this.#height;
     const wanted = 2.05 / Math.min(1, this.#camera.aspect * 0.62);
     const distance = wanted / Math.tan((this.#camera.fov * Math.PI) / 360);
     this.#camera.position.setLength(Math.min(distance, this.#controls.maxDistance));
@@ -276,41 +252,63 @@ export class Solid {
     };
     const turn = turns[event.key];
     if (turn === undefined) return;
-    const spherical = new Spherical().setFromVector3(this.#camera.position);
+    // Spherical coordinates have their pole along y.
+    const { x, y, z } = this.#camera.position;
+    const spherical = new Spherical().setFromVector3(new Vector3(x, z, -y));
     spherical.theta += turn[0];
     spherical.phi = Math.min(Math.PI - 0.05, Math.max(0.05, spherical.phi + turn[1]));
     const { minDistance, maxDistance } = this.#controls;
     spherical.radius = Math.min(maxDistance, Math.max(minDistance, spherical.radius * turn[2]));
-    this.#camera.position.setFromSpherical(spherical);
+    const turned = new Vector3().setFromSpherical(spherical);
+    this.#camera.position.set(turned.x, -turned.z, turned.y);
     this.#controls.update();
     this.#render();
     event.preventDefault();
     event.stopPropagation();
   }
 
+  /** Draws each capsule in a part of the picture of its own, side by side, from the same place. */
   #render(): void {
-    for (const line of Object.values(this.#cuts)) {
-      line.material.resolution.set(this.#width, this.#height);
+    const parts = Math.max(1, this.#shown.length);
+    const width = this.#width / parts;
+    for (const line of Object.values(this.#cuts)) line.material.resolution.set(width, this.#height);
+    this.#renderer.setScissorTest(true);
+    for (let part = 0; part < parts; part++) {
+      const isLive = this.#shown[part] === "live";
+      this.#meshes.forEach((mesh, i) => {
+        mesh.visible = i === part && i < this.#shown.length;
+      });
+      for (const own of [this.#initial, ...Object.values(this.#cuts)]) own.layers.set(isLive ? 0 : 1);
+      this.#renderer.setViewport(part * width, 0, width, this.#height);
+      this.#renderer.setScissor(part * width, 0, width, this.#height);
+      this.#renderer.clear();
+      this.#renderer.render(this.#scene, this.#camera);
     }
-    this.#renderer.render(this.#scene, this.#camera);
-    this.#placeLabels();
+    this.#placeLabels(width);
   }
 
-  /** Writes x beside the lower front edge, at each ring. */
-  #placeLabels(): void {
-    const count = 2 * REACH + 1;
-    while (this.#labels.childElementCount < count) {
-      this.#labels.append(document.createElement("span"));
-    }
+  /** Writes x beside the lower front edge of the first part, at each ring, and the names of pinned capsules. */
+  #placeLabels(width: number): void {
+    const count = 2 * REACH + 1 + this.#shown.length;
+    while (this.#labels.childElementCount < count) this.#labels.append(document.createElement("span"));
+    const first = Math.ceil(this.#origin - REACH);
     const at = new Vector3();
     [...this.#labels.children].forEach((element, i) => {
-      const x = this.#firstLabel + i;
-      at.set(x - this.#shift, -1.13, 1.02).project(this.#camera);
       const span = element as HTMLElement;
-      const fade = fadeOut(x - this.#shift);
-      span.textContent = label(x);
-      span.style.opacity = String(Math.abs(at.x) < 1 && Math.abs(at.y) < 1 ? fade : 0);
-      span.style.transform = `translate(-50%, -50%) translate(${(((at.x + 1) * this.#width) / 2).toFixed(1)}px, ${(((1 - at.y) * this.#height) / 2).toFixed(1)}px)`;
+      const part = i - (2 * REACH + 1);
+      if (part >= 0) {
+        const name = this.#shown.length > 1 ? this.#shown[part] : undefined;
+        span.textContent = name === undefined ? "" : name === "live" ? "Live" : name;
+        span.style.opacity = "1";
+        span.style.transform = `translate(${((part + 0.5) * width).toFixed(1)}px, 8px)`;
+        return;
+      }
+      const x = first + i;
+      at.set(x - this.#origin, -1.02, -1.13).project(this.#camera);
+      span.textContent = label(tidy(x * this.#factor));
+      span.style.opacity = String(Math.abs(at.x) < 1 && Math.abs(at.y) < 1 ? fadeOut(x - this.#origin) : 0);
+      const [left, top] = [((at.x + 1) * width) / 2, ((1 - at.y) * this.#height) / 2];
+      span.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
     });
     this.#stage.dataset.rendered = "true";
   }
@@ -323,23 +321,12 @@ function cutLine(): Line2 {
   return line;
 }
 
-function lines(positions: number[], colours: number[]): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(positions), 3));
-  geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 4));
-  return geometry;
-}
-
-function fadeOut(x: number): number {
-  return Math.max(0, 1 - (x / REACH) ** 2);
-}
-
-/** Copies the positions into the geometry, whose buffer is made at the first call. */
-function replace(geometry: BufferGeometry, positions: Float32Array): void {
-  const attribute = geometry.getAttribute("position");
-  if (attribute === undefined || attribute.count * 3 !== positions.length) {
-    geometry.setAttribute("position", new BufferAttribute(positions.slice(), 3));
+/** Copies numbers into the geometry, whose buffer is made at the first call. */
+function replace(geometry: BufferGeometry, name: "position" | "normal", numbers: Float32Array): void {
+  const attribute = geometry.getAttribute(name);
+  if (attribute === undefined || attribute.count * 3 !== numbers.length) {
+    geometry.setAttribute(name, new BufferAttribute(numbers.slice(), 3));
   } else {
-    (attribute as BufferAttribute).copyArray(positions).needsUpdate = true;
+    (attribute as BufferAttribute).copyArray(numbers).needsUpdate = true;
   }
 }

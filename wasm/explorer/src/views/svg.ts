@@ -56,11 +56,6 @@ export function smoothLoop(
   return `${text}Z`;
 }
 
-/** The length that the figures are drawn in: half the channel's side, or the capsule's radius where there is no channel. */
-export function drawnUnit(): string {
-  return document.body.dataset.model === "other" ? "a" : "ℓ";
-}
-
 /** Diagonal hatching for what lies outside, as a fill: `url(#id)`. */
 export function hatch(parent: SVGSVGElement, id: string): string {
   const pattern = svg("pattern", { id, width: 6, height: 6, patternUnits: "userSpaceOnUse" }, svg("defs", {}, parent));
@@ -83,6 +78,11 @@ export function ticks(from: number, to: number, step: number): number[] {
   const first = Math.ceil(from / step - 1e-9);
   const last = Math.floor(to / step + 1e-9);
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
+}
+
+/** A number to the digits that an axis needs. */
+export function tidy(value: number): number {
+  return Number(value.toPrecision(4));
 }
 
 /** A number with a true minus sign. */

@@ -1,34 +1,35 @@
-import { drawnUnit, hatch, label, onResize, path, set, svg } from "./svg";
-
-/** What the transversal section shows. */
-export interface TransversalScene {
-  /** Closed curves y, z, y, z, ...: none where the plane misses the capsule, two where it cuts the rear cavity. */
-  readonly curves: readonly Float32Array[];
-  /** Which longitudinal planes are shown beside, to be marked. */
-  readonly midplane: boolean;
-  readonly diagonal: boolean;
-}
+import type { Root } from "../app/dom";
+import type { Need } from "../model/capsule";
+import { hatch, label, onResize, path, set, svg, tidy } from "./svg";
+import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 const HALF_EXTENT = 1.16;
 const AXIS = 26;
 
 /** The section across the square channel, looking along the flow. */
-export class Transversal {
+export class Transversal implements ViewPart {
+  readonly needs: readonly Need[] = [];
   readonly #svg: SVGSVGElement;
   readonly #frame: SVGGElement;
   readonly #planes: SVGGElement;
+  readonly #pins: SVGGElement;
+  readonly #band: SVGPathElement;
   readonly #membrane: SVGPathElement;
   readonly #miss: SVGTextElement;
   readonly #fill: string;
   #size = 0;
   #unit = "";
-  #scene: TransversalScene | undefined;
+  #factor = 1;
+  #drawn: readonly [readonly Trace[], Context] | undefined;
 
-  constructor(stage: HTMLElement) {
+  constructor(root: Root) {
+    const stage = root.part("transversal", HTMLElement);
     this.#svg = svg("svg", { role: "img", "aria-label": "Section of the capsule across the channel" }, stage);
-    this.#fill = hatch(this.#svg, "hatch-transversal");
+    this.#fill = hatch(this.#svg, root.id("hatch-transversal"));
     this.#frame = svg("g", { class: "axis" }, this.#svg);
     this.#planes = svg("g", { class: "planes" }, this.#svg);
+    this.#pins = svg("g", {}, this.#svg);
+    this.#band = svg("path", { class: "band" }, this.#svg);
     this.#membrane = svg("path", { class: "membrane", "fill-rule": "evenodd" }, this.#svg);
     this.#miss = svg("text", { class: "axis-name", "text-anchor": "middle" }, this.#svg);
     onResize(stage, (width, height) => {
@@ -38,14 +39,23 @@ export class Transversal {
     });
   }
 
-  /** Shows a section, or the empty channel. */
-  draw(scene: TransversalScene | undefined): void {
-    this.#scene = scene;
+  draw(traces: readonly Trace[], context: Context): void {
+    this.#drawn = [traces, context];
+    const { name, factor } = context.units.drawn;
+    if (name !== this.#unit || factor !== this.#factor) {
+      this.#unit = name;
+      this.#factor = factor;
+      if (this.#size > 0) this.#layOut();
+    }
     this.#redraw();
   }
 
-  readonly #toX = (y: number) => AXIS + ((y + HALF_EXTENT) * (this.#size - AXIS)) / (2 * HALF_EXTENT);
-  readonly #toY = (z: number) => ((HALF_EXTENT - z) * (this.#size - AXIS)) / (2 * HALF_EXTENT);
+  get #scale(): number {
+    return (this.#size - AXIS) / (2 * HALF_EXTENT);
+  }
+
+  readonly #toX = (y: number) => AXIS + (y + HALF_EXTENT) * this.#scale;
+  readonly #toY = (z: number) => (HALF_EXTENT - z) * this.#scale;
 
   #layOut(): void {
     const [size, toX, toY] = [this.#size, this.#toX, this.#toY];
@@ -64,13 +74,13 @@ export class Transversal {
     for (const at of [-1, 0, 1]) {
       const below = svg("text", { x: toX(at), y: floor + 14, "text-anchor": "middle" });
       const beside = svg("text", { x: AXIS - 6, y: toY(at) + 4, "text-anchor": "end" });
-      below.textContent = label(at);
-      beside.textContent = label(at);
+      below.textContent = label(tidy(at * this.#factor));
+      beside.textContent = label(tidy(at * this.#factor));
       parts.push(below, beside);
     }
     const y = svg("text", { x: toX(0.5), y: floor + 14, class: "axis-name", "text-anchor": "middle" });
-    this.#unit = drawnUnit();
-    y.innerHTML = `<tspan class="symbol">y</tspan> [${this.#unit}]`;
+    y.innerHTML = '<tspan class="symbol">y</tspan> ';
+    y.append(`[${this.#unit}]`);
     const z = svg("text", { x: AXIS - 6, y: toY(0.5) + 4, class: "axis-name", "text-anchor": "end" });
     z.innerHTML = '<tspan class="symbol">z</tspan>';
     this.#frame.replaceChildren(...parts, y, z);
@@ -78,28 +88,38 @@ export class Transversal {
   }
 
   #redraw(): void {
-    const scene = this.#scene;
-    if (scene === undefined) {
-      set(this.#membrane, { d: "" });
-      this.#miss.textContent = "";
-      return;
-    }
-    if (this.#size === 0) return;
-    if (this.#unit !== drawnUnit()) this.#layOut();
+    if (this.#drawn === undefined || this.#size === 0) return;
+    const [traces, context] = this.#drawn;
+    const [live, ...pinned] = traces;
+    const { section } = context.state;
+    const loops = (curves: readonly Float32Array[]) =>
+      curves
+        .map(
+          (curve) =>
+            `${path(
+              curve,
+              (y) => this.#toX(y),
+              (_, z) => this.#toY(z),
+            )}Z`,
+        )
+        .join("");
+    const curves = live?.answer?.transversal(section);
+    const d = loops(curves ?? []);
+    set(this.#membrane, { d, class: `membrane${live?.answer?.isUncertain === true ? " uncertain" : ""}` });
+    const band = 2 * (live?.answer?.band ?? 0) * (live?.radius ?? 1) * this.#scale;
+    set(this.#band, { d, "stroke-width": band });
+    this.#miss.textContent = curves?.length === 0 ? "The plane misses the capsule." : "";
+    this.#pins.replaceChildren(
+      ...pinned.flatMap(({ name, answer }) =>
+        answer === undefined ? [] : [svg("path", { class: traceClass(name), d: loops(answer.transversal(section)) })],
+      ),
+    );
     const [toX, toY] = [this.#toX, this.#toY];
-    const loop = (curve: Float32Array) =>
-      `${path(
-        curve,
-        (y) => toX(y),
-        (_, z) => toY(z),
-      )}Z`;
-    set(this.#membrane, { d: scene.curves.map(loop).join("") });
-    this.#miss.textContent = scene.curves.length === 0 ? "The plane misses the capsule." : "";
     const planes: Element[] = [];
-    if (scene.midplane) {
+    if (live?.answer !== undefined && context.shows("midplane")) {
       planes.push(svg("line", { x1: toX(-1), x2: toX(1), y1: toY(0), y2: toY(0), class: "trace-midplane" }));
     }
-    if (scene.diagonal) {
+    if (live?.answer !== undefined && context.shows("diagonal")) {
       planes.push(svg("line", { x1: toX(-1), x2: toX(1), y1: toY(-1), y2: toY(1), class: "trace-diagonal" }));
     }
     this.#planes.replaceChildren(...planes);

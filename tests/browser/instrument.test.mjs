@@ -1,0 +1,281 @@
+// CapsuleExplorer as an instrument: what it compares, maps, plots and gives away has the native core's numbers, and
+// every file that it saves is opened again.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, describe, test } from "node:test";
+import { figures, openPage, predict, QUANTITIES, serve, settled, startBrowser } from "./support.mjs";
+
+const FLAT = "&views=midplane.diagonal.transversal";
+
+let browser;
+let server;
+
+before(async () => {
+  server = await serve();
+  browser = await startBrowser();
+});
+
+after(async () => {
+  await browser?.close();
+  server?.stop();
+});
+
+function onPage(name, fragment, drive, options) {
+  test(name, async () => {
+    const { page, errors, close } = await openPage(browser, `${server.url}${fragment}`, options);
+    try {
+      await drive(page);
+      assert.deepEqual(errors, [], "the console is silent");
+    } finally {
+      await close();
+    }
+  });
+}
+
+const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
+const native = (ca, confinement, t, method = "direct") => predict(ca, confinement, [t], method).instants[0];
+
+/** Presses a button of the export dialog and returns the file. */
+async function save(page, name) {
+  if (!(await page.isVisible("#take-away"))) await page.click("#open-take-away");
+  const [download] = await Promise.all([
+    page.waitForEvent("download"),
+    page.getByRole("button", { name, exact: true }).click(),
+  ]);
+  return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
+}
+
+describe("a comparison", () => {
+  onPage("shows pinned queries beside the live one, with their differences", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    await page.click("#pin");
+    await page.fill("#ca", "0.05");
+    await page.waitForFunction(() => /times the error/.test(document.querySelector("#compare").textContent));
+    const rows = await page.$$eval("#compare tbody tr", (all) => all.map((row) => row.innerText.split("\t")));
+    const [live, pinned] = [native(0.05, 0.9, 3), native(0.1, 0.9, 3)];
+    const [name, own, other] = rows[0];
+    assert.match(name, /Axial length/);
+    assert.equal(own, live.axial_length.toFixed(4));
+    assert.ok(other.startsWith(pinned.axial_length.toFixed(4)));
+    const difference = Number(other.split(/\s/)[1].replace("−", "-"));
+    assert.ok(Math.abs(difference - (live.axial_length - pinned.axial_length)) < 6e-5);
+    assert.equal(await page.locator("#midplane .pin-A").count(), 1);
+    assert.equal(await page.locator("#map .pin-A").count(), 1);
+    await page.waitForFunction(() => window.location.hash.includes("pins=A"));
+    const again = await openPage(browser, page.url());
+    assert.deepEqual((await state(again.page)).pins, (await state(page)).pins);
+    await again.close();
+    await page.getByRole("button", { name: "Remove A" }).click();
+    await settled(page);
+    assert.equal(await page.isVisible("#compare"), false);
+  });
+
+  onPage("says where two shapes are the same or not resolved", `#ca=0.1&al=0.9&t=3&pins=A:direct:0.1,0.9;B:direct:0.10001,0.9${FLAT}`, async (page) => {
+    await page.waitForFunction(() => /not resolved/.test(document.querySelector("#compare").textContent));
+    assert.match(await page.innerText("#compare"), /the same shape/);
+  });
+
+  onPage("measures the modified Hausdorff distance of the nodes", `#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9${FLAT}`, async (page) => {
+    await page.waitForFunction(() => /times the error/.test(document.querySelector("#compare").textContent));
+    const shown = Number(/([\d.]+) % a/.exec(await page.innerText("#compare .distance"))[1]) / 100;
+    // The distance along the axis alone bounds it from above: the nodes move by the drift and the deformation.
+    assert.ok(shown > 0.001 && shown < 0.1, `distance ${shown} a`);
+  });
+});
+
+describe("an uncertain answer", () => {
+  onPage("looks so in numbers and drawings, a certain one does not", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const look = async () => [
+      await page.isVisible("#uncertain"),
+      (await page.innerText("#axial_length")).startsWith("≈"),
+      await page.locator("#midplane .membrane.uncertain").count(),
+    ];
+    assert.deepEqual(await look(), [false, false, 0]);
+    await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.13, confinement: 0.95, extrapolate: true }));
+    await settled(page);
+    const [, isRough, broken] = await look();
+    assert.deepEqual([isRough, broken], [true, 1]);
+    const wide = await page.$eval("#midplane .band", (band) => Number(band.getAttribute("stroke-width")));
+    assert.ok(wide > 5, `the band is ${wide} px wide`);
+  });
+});
+
+describe("the map", () => {
+  onPage("draws contours of any read-out, on three scales", `#ca=0.1&al=0.9&t=20&layer=axial_length${FLAT}`, async (page) => {
+    await page.waitForFunction(() => document.querySelectorAll("#map .contour").length > 2);
+    const levels = await page.$$eval("#map .level", (labels) => labels.map((label) => Number(label.textContent)));
+    assert.ok(levels.length > 1 && levels.every((level) => level > 1 && level < 5), levels.join());
+    assert.match(await page.innerText("#map-legend"), /Axial length at t = 20/);
+    for (const scale of ["root", "log", "linear"]) {
+      await page.selectOption("#scale", scale);
+      await settled(page);
+      const point = await page.locator("#map-point").boundingBox();
+      await page.mouse.click(point.x + point.width / 2, point.y + point.height / 2);
+      await settled(page);
+      const { ca, confinement } = await state(page);
+      assert.ok(Math.abs(ca - 0.1) < 0.002 && Math.abs(confinement - 0.9) < 0.006, `${scale}: ${ca}, ${confinement}`);
+      await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.1, confinement: 0.9 }));
+      await settled(page);
+    }
+    await page.selectOption("#layer", "error_bound");
+    await page.waitForFunction(() => /against the full-order model/.test(document.querySelector("#map-legend").textContent));
+    await page.uncheck("#samples");
+    await settled(page);
+    assert.equal(await page.locator("#map .sample").count(), 0);
+  });
+});
+
+describe("the plots", () => {
+  onPage("show all read-outs along time and along the parameters", "#ca=0.05&al=0.9&t=3&views=plots", async (page) => {
+    const drawn = () =>
+      page.waitForFunction(() =>
+        [...document.querySelectorAll(".plot .curve.live")].every((curve) => curve.getAttribute("d").length > 200),
+      );
+    await drawn();
+    assert.equal(await page.locator(".plot").count(), QUANTITIES.length);
+    const name = await page.getAttribute(".plot", "aria-label");
+    const [least] = /[\d.]+(?= to)/.exec(name);
+    const course = predict(0.05, 0.9, [0, 0.2, 0.8, 3.2, 20], "direct").instants.map((instant) => instant.axial_length);
+    assert.ok(Number(least) <= Math.min(...course) + 1e-3, `${name}, natively ${course}`);
+    await page.selectOption("#along", "ca");
+    await settled(page);
+    await drawn();
+    assert.match(await page.getAttribute(".plot", "aria-label"), /along Ca, steady/);
+  });
+});
+
+describe("physical units", () => {
+  onPage("follow from an experiment's sizes and give them back", `#ca=0.1&al=0.9&t=2${FLAT}`, async (page) => {
+    await page.click("#open-units");
+    for (const [id, value] of [["side", 60], ["viscosity", 2], ["modulus", 30], ["radius", 27], ["mean-velocity", 900]]) {
+      await page.fill(`#${id}`, String(value));
+    }
+    await settled(page);
+    const { ca, confinement } = await state(page);
+    // Ca = 2e-3 Pa s * 0.9 m/s / 0.03 N/m; a/l = 27 / 30.
+    assert.ok(Math.abs(ca - 0.06) < 1e-9 && Math.abs(confinement - 0.9) < 1e-9, `${ca}, ${confinement}`);
+    assert.equal(Number(await page.inputValue("#flow-rate")), 3.24);
+    await page.click("#close-units");
+    const { axial_length, velocity } = native(0.06, 0.9, 2);
+    assert.ok(Math.abs(Number(await page.innerText("#axial_length")) - 30 * axial_length) < 1e-2);
+    assert.ok(Math.abs(Number(await page.innerText("#velocity")) - 900 * velocity) < 0.1);
+    assert.match(await page.innerText("#readouts"), /µm/);
+    assert.equal(await page.innerText("#time-unit"), "ms");
+    // 2 l/V in ms: 2 * 30 um / 900 mm/s.
+    assert.ok(Math.abs(Number(await page.inputValue("#time-value")) - 60 / 900) < 1e-3);
+    assert.match(await page.innerText("#midplane"), /µm/);
+    await page.click("#open-units");
+    await page.click("#dimensionless");
+    await settled(page);
+    assert.equal(await page.innerText("#axial_length"), axial_length.toFixed(4));
+  });
+});
+
+describe("export", () => {
+  onPage("gives numbers that are the native core's", `#ca=0.1&al=0.9&t=3&pins=A:paper:0.05,0.8${FLAT}`, async (page) => {
+    const json = await save(page, "Read-outs, now and along time, JSON");
+    const content = JSON.parse(json.bytes.toString());
+    const whole = predict(0.1, 0.9, [3], "direct");
+    assert.equal(content.model_digest, whole.model_digest);
+    assert.equal(`${content.errors_against} G_s a^2`.slice(0, 30), whole.errors_against.slice(0, 30));
+    assert.ok(json.name.includes(whole.model_digest));
+    const pairs = [
+      [content.traces[0].instant, native(0.1, 0.9, 3)],
+      [content.traces[1].instant, native(0.05, 0.8, 3, "paper")],
+      [content.traces[0].course.find(({ t }) => t === 6), native(0.1, 0.9, 6)],
+    ];
+    for (const [found, expected] of pairs) {
+      for (const quantity of QUANTITIES) {
+        assert.equal(Math.fround(found[quantity]), Math.fround(expected[quantity]), quantity);
+      }
+    }
+    const csv = (await save(page, "Read-outs, now and along time, CSV")).bytes.toString().split("\n");
+    const head = csv.findIndex((line) => !line.startsWith("#"));
+    assert.ok(csv.slice(0, head).some((line) => line.includes(whole.model_digest)));
+    const columns = csv[head].split(",");
+    const row = csv.find((line) => line.startsWith("live,0.1,0.9,direct,3,")).split(",");
+    assert.equal(Math.fround(row[columns.indexOf("volume")]), Math.fround(native(0.1, 0.9, 3).volume));
+  });
+
+  onPage("gives a surface that holds the capsule's volume", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const { bytes } = await save(page, "Surface, lengths in l, STL");
+    const count = bytes.readUInt32LE(80);
+    assert.equal(bytes.length, 84 + 50 * count);
+    let six = 0;
+    for (let i = 0; i < count; i++) {
+      const at = (k) => bytes.readFloatLE(84 + 50 * i + 12 + 4 * k);
+      const [ax, ay, az, bx, by, bz, cx, cy, cz] = Array.from({ length: 9 }, (_, k) => at(k));
+      six += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
+    }
+    const { volume } = await figures(page);
+    assert.ok(Math.abs(six / 6 / volume - 1) < 2e-3, `STL ${six / 6}, core ${volume}`);
+  });
+
+  onPage("gives drawings that stand alone", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    for (const name of ["Map of the parameters", "Longitudinal section", "Transversal section", "Read-out along time"]) {
+      const text = (await save(page, `${name}, SVG`)).bytes.toString();
+      const parts = await page.evaluate((source) => {
+        const parsed = new DOMParser().parseFromString(source, "image/svg+xml");
+        return {
+          root: parsed.documentElement.tagName,
+          title: parsed.querySelector("title").textContent,
+          words: parsed.querySelector("desc").textContent,
+          paths: parsed.querySelectorAll("path").length,
+          styled: parsed.querySelectorAll("[class]").length,
+        };
+      }, text);
+      assert.equal(parts.root, "svg");
+      assert.equal(parts.title, name);
+      assert.match(parts.words, /model [0-9a-f]{8}[\s\S]*Ca = 0\.1[\s\S]*Entropy/);
+      assert.ok(parts.paths > 0);
+      assert.equal(parts.styled, 0);
+    }
+    const { bytes } = await save(page, "Diagonal section, PNG");
+    assert.equal(bytes.subarray(1, 4).toString(), "PNG");
+    const { width } = await page.locator("#diagonal").boundingBox();
+    assert.ok(Math.abs(bytes.readUInt32BE(16) - 2 * width) < 4);
+  });
+
+  onPage("gives the picture of the space view", "#ca=0.1&al=0.9&t=3&views=solid", async (page) => {
+    await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
+    const { bytes } = await save(page, "Capsule in the channel, PNG");
+    assert.equal(bytes.subarray(1, 4).toString(), "PNG");
+    assert.ok(bytes.length > 20_000, `${bytes.length} bytes`);
+  });
+
+  onPage("gives a session that is opened again", `#ca=0.07&al=0.85&t=4&frame=centroid&pins=A:direct:0.1,0.9${FLAT}`, async (page) => {
+    const { name, bytes } = await save(page, "Session, to open again, Save");
+    const wanted = await state(page);
+    await page.click("#close-take-away");
+    await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.1, frame: "laboratory", pins: [], t: 1 }));
+    await page.setInputFiles("#model-file", { name, mimeType: "application/json", buffer: bytes });
+    await page.waitForFunction(() => window.capsuleExplorer.state.ca === 0.07);
+    const { ca, frame, pins, t } = await state(page);
+    assert.deepEqual([ca, frame, pins, t], [wanted.ca, wanted.frame, wanted.pins, wanted.t]);
+    await page.setInputFiles("#model-file", { name: "no.json", mimeType: "application/json", buffer: Buffer.from("{}") });
+    await page.waitForFunction(() => document.body.dataset.status === "failed");
+    assert.match(await page.innerText("#failure"), /no\.json is not a session/);
+  });
+});
+
+describe("the sheet of keys", () => {
+  onPage("opens by ?, and the theme that is chosen there stays", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    await page.keyboard.press("?");
+    assert.ok(await page.isVisible("#help"));
+    await page.selectOption("#theme", "dark");
+    assert.equal(await page.getAttribute("body", "data-theme"), "dark");
+    await page.keyboard.press("Escape");
+    assert.equal(await page.isVisible("#help"), false);
+    await page.reload();
+    await page.waitForFunction(() => document.body.dataset.status === "ready");
+    assert.equal(await page.getAttribute("body", "data-theme"), "dark");
+  });
+
+  test("is not needed to learn what a browser without a program is missing", async () => {
+    const context = await browser.newContext({ javaScriptEnabled: false });
+    const page = await context.newPage();
+    await page.goto(server.url);
+    assert.match(await page.innerText("noscript p"), /JavaScript and WebAssembly/);
+    await context.close();
+  });
+});

@@ -1,0 +1,251 @@
+import { text } from "../model/answer";
+import type { Capsule } from "../model/capsule";
+import { fetchModel, loadModule, ModelError, openFile } from "../model/load";
+import { tieHelp } from "../panels/keys";
+import { describe } from "../panels/model-card";
+import { tieParameters } from "../panels/parameters";
+import { TakeAway } from "../panels/take-away";
+import { Address } from "./address";
+import { button, html, Root } from "./dom";
+import { fromFragment, type Link, toFragment } from "./link";
+import markup from "./markup.html?raw";
+import { DEFAULT_STATE, type State } from "./schema";
+import { fromSession, toSession } from "./session";
+import { Store } from "./store";
+import { Workbench } from "./workbench";
+
+/** The model beside the page. */
+const SHIPPED = "./capsule.crom";
+
+/** How an explorer is set up. */
+export interface Options {
+  /** Stands before each id; needed where one document has several explorers. */
+  readonly prefix?: string;
+  /** Address of the model to open first, on this server; by default the shipped one. */
+  readonly model?: string;
+  /** Whether the document's address follows this explorer and the explorer follows it. */
+  readonly ownsAddress?: boolean;
+  /** The state to begin with, where it differs from the default. */
+  readonly state?: Partial<State>;
+}
+
+/** One explorer in one element: opens models, and ties the state to the address. */
+export class Explorer {
+  readonly root: Root;
+  readonly store: Store;
+  readonly workbench: Workbench;
+  readonly #failure: HTMLElement;
+  readonly #banner: HTMLElement;
+  readonly #address: Address | undefined;
+  /** The state and the model that the link asks for, until that model is open. */
+  #link: Link;
+  /** Counts what was asked to be opened: what comes late does not replace what was asked for later. */
+  #asked = 0;
+
+  constructor(element: HTMLElement, options: Options = {}) {
+    const { prefix = "", model, ownsAddress = false, state = {} } = options;
+    this.root = new Root(element, prefix, markup);
+    this.#link = ownsAddress ? fromFragment(window.location.hash) : { state, digest: undefined, file: undefined };
+    this.store = new Store({ ...DEFAULT_STATE, ...this.#link.state });
+    this.#failure = this.root.part("failure", HTMLElement);
+    this.#banner = this.root.part("banner", HTMLElement);
+    this.root.element.dataset.status = "loading";
+    tieParameters(this.root, this.store);
+    this.workbench = new Workbench(this.root, this.store);
+    if (ownsAddress) {
+      this.#address = new Address(
+        this.store,
+        () => this.fragment(),
+        (fragment) => this.#follow(fragment),
+      );
+    }
+    tieHelp(this.root, () => this.workbench.recolour());
+    new TakeAway(this.root, {
+      shown: () => this.workbench.shown,
+      link: () => new URL(this.fragment(), window.location.href).href,
+      session: () => toSession(this.fragment()),
+      picture: () => this.workbench.picture(),
+    });
+    this.#takeFiles();
+    this.#tieCopy();
+    const address = new URL(model ?? SHIPPED, window.location.href);
+    this.#show(fetchModel(address, model === undefined));
+    loadModule();
+  }
+
+  /** The link's fragment for what is on screen. */
+  fragment(): string {
+    const { capsule } = this.workbench;
+    if (capsule === undefined) return window.location.hash;
+    const { digest } = capsule.model;
+    return toFragment(this.store.state, { isChannel: capsule.has("channel"), digest, file: capsule.file });
+  }
+
+  /** Opens a file of the user's: a model, or a saved session. */
+  async open(file: File): Promise<void> {
+    if (!file.name.endsWith(".json")) {
+      await this.#show(openFile(file));
+      return;
+    }
+    try {
+      this.#follow(await fromSession(file));
+      this.#resume();
+    } catch (error) {
+      this.#fail(error);
+    }
+  }
+
+  /** Shows a model, or why there is none, unless something else was asked for in the meantime. */
+  async #show(opening: Promise<Capsule>): Promise<void> {
+    const asked = ++this.#asked;
+    try {
+      const capsule = await opening;
+      if (asked !== this.#asked) {
+        capsule.free();
+        return;
+      }
+      this.#enter(capsule);
+    } catch (error) {
+      if (asked === this.#asked) this.#fail(error);
+    }
+  }
+
+  /** Puts a model on screen, with the state of the link where it is the link's model. */
+  #enter(capsule: Capsule): void {
+    const isFirst = this.workbench.capsule === undefined;
+    const isLinked = this.#link.digest === capsule.model.digest;
+    // A link gives way once another model was opened by hand, unless it waits for that one.
+    const fragment = this.#address?.wanted;
+    const defaults = capsule.defaults();
+    const wanted =
+      fragment !== undefined && (isFirst || isLinked)
+        ? fromFragment(fragment, defaults).state
+        : { ...defaults, ...(isFirst ? this.#link.state : this.#kept()) };
+    this.store.set(fitting({ ...this.store.state, ...wanted }, capsule));
+    this.workbench.open(capsule);
+    describe(this.root.part("model", HTMLElement), capsule);
+    this.#warn(capsule);
+    this.#resume();
+    this.#address?.enter();
+  }
+
+  /** Opening a model by hand keeps the instant and the views. */
+  #kept(): Partial<State> {
+    const { t, frame, speed, section, initial, trace, views, ca, confinement, parameters } = this.store.state;
+    return { t, frame, speed, section, initial, trace, views, ca, confinement, parameters };
+  }
+
+  /** Takes another fragment: a step back or forward, or a link that was pasted into the address. */
+  #follow(fragment: string): void {
+    const { capsule } = this.workbench;
+    this.#link = fromFragment(fragment, capsule?.defaults() ?? {});
+    if (capsule === undefined) return;
+    this.store.set({ ...fitting({ ...this.store.state, ...this.#link.state }, capsule), playing: false });
+    this.#warn(capsule);
+  }
+
+  /** Says that a link belongs to another model, and to which. */
+  #warn({ model }: Capsule): void {
+    const { digest, file } = this.#link;
+    const isOther = digest !== undefined && digest !== model.digest;
+    this.#banner.hidden = !isOther;
+    if (!isOther) return;
+    const name = file === undefined ? `the model ${digest}` : `${file} (model ${digest})`;
+    const words = `This link was made with ${name}. This is model ${model.digest}: its figures may differ.`;
+    const open = button("Open that file…", () => this.root.part("model-file", HTMLInputElement).click());
+    const dismiss = button("Go on with this model", () => {
+      this.#link = { ...this.#link, digest: undefined };
+      this.#banner.hidden = true;
+      this.#address?.enter();
+    });
+    this.#banner.replaceChildren(html("p", { textContent: words }), open, dismiss);
+  }
+
+  #resume(): void {
+    this.#failure.hidden = true;
+    this.root.element.dataset.status = "ready";
+  }
+
+  #fail(error: unknown): void {
+    const known = error instanceof ModelError;
+    const title = known ? error.message : `The page could not start: ${text(error)}.`;
+    const remedy = known
+      ? error.remedy
+      : "Load the page again; if that does not help, build it with `cargo xtask explore`.";
+    this.#failure.replaceChildren(html("h2", { textContent: title }), html("p", {}, ...withCode(remedy)));
+    if (this.workbench.capsule !== undefined) {
+      this.#failure.append(button("Back to the model that is open", () => this.#resume()));
+    }
+    this.#failure.hidden = false;
+    this.root.element.dataset.status = "failed";
+  }
+
+  /** A file is chosen, or dropped anywhere on the explorer; without this a browser would leave the page for it. */
+  #takeFiles(): void {
+    const { element } = this.root;
+    const picker = this.root.part("model-file", HTMLInputElement);
+    const openFirst = async (files: FileList | null | undefined) => {
+      const [file] = files ?? [];
+      if (file !== undefined) await this.open(file);
+    };
+    this.root.part("open-model", HTMLButtonElement).addEventListener("click", () => picker.click());
+    picker.addEventListener("change", async () => {
+      await openFirst(picker.files);
+      picker.value = "";
+    });
+    const over = (isOver: boolean) => element.toggleAttribute("data-dropping", isOver);
+    element.addEventListener("dragover", (event) => {
+      if (event.dataTransfer?.types.includes("Files")) {
+        event.preventDefault();
+        over(true);
+      }
+    });
+    element.addEventListener("dragleave", (event) => {
+      if (event.relatedTarget === null) over(false);
+    });
+    element.addEventListener("drop", async (event) => {
+      if (event.dataTransfer?.types.includes("Files")) {
+        event.preventDefault();
+        over(false);
+        await openFirst(event.dataTransfer.files);
+      }
+    });
+  }
+
+  #tieCopy(): void {
+    const copy = this.root.part("copy-link", HTMLButtonElement);
+    copy.addEventListener("click", async () => {
+      const link = new URL(this.fragment(), window.location.href);
+      this.#address?.enter();
+      try {
+        await navigator.clipboard.writeText(link.href);
+        copy.textContent = "Copied";
+      } catch {
+        copy.textContent = "Copy it from the address bar";
+      }
+      window.setTimeout(() => {
+        copy.textContent = "Copy link";
+      }, 2000);
+    });
+  }
+}
+
+/** The state as a model can show it: an instant within its time, as many parameters as it has. */
+function fitting(state: State, capsule: Capsule): State {
+  const defaults = capsule.defaults();
+  const end = defaults.end ?? state.end;
+  const standard = defaults.parameters ?? [];
+  return {
+    ...state,
+    end,
+    t: Math.min(Math.max(state.t, 0), end),
+    parameters: state.parameters.length === standard.length ? state.parameters : standard,
+    pins: state.pins.filter(({ parameters }) => parameters.length === capsule.names().length),
+    playing: false,
+  };
+}
+
+/** Sets the words between backquotes as code. */
+function withCode(words: string): (Node | string)[] {
+  return words.split("`").map((part, i) => (i % 2 === 1 ? html("code", { textContent: part }) : part));
+}

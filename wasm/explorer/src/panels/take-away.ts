@@ -1,0 +1,114 @@
+import { button, html, type Root } from "../app/dom";
+import type { View } from "../app/schema";
+import { figurePng, figureSvg, type Legend, picturePng, svgText } from "../export/figure";
+import { toCsv, toJson } from "../export/numbers";
+import { footer, provenance } from "../export/provenance";
+import { toStl } from "../export/stl";
+import type { Context, Trace } from "../views/view";
+
+/** What the dialog takes from the explorer. */
+export interface Source {
+  readonly shown: () => readonly [readonly Trace[], Context] | undefined;
+  /** The link of what is on screen. */
+  readonly link: () => string;
+  readonly session: () => string;
+  /** The picture of the space view; undefined where there is none. */
+  readonly picture: () => HTMLCanvasElement | undefined;
+}
+
+/** The drawings, by the id of their element. */
+const DRAWINGS: readonly (readonly [id: string, view: View | undefined, name: string])[] = [
+  ["map", undefined, "Map of the parameters"],
+  ["midplane", "midplane", "Longitudinal section"],
+  ["diagonal", "diagonal", "Diagonal section"],
+  ["transversal", "transversal", "Transversal section"],
+  ["plots", "plots", "All read-outs"],
+  ["track", undefined, "Read-out along time"],
+];
+
+/** The dialog from which figures, numbers, the surface and the session are saved as files. */
+export class TakeAway {
+  readonly #root: Root;
+  readonly #source: Source;
+  readonly #dialog: HTMLDialogElement;
+
+  constructor(root: Root, source: Source) {
+    this.#root = root;
+    this.#source = source;
+    this.#dialog = root.part("take-away", HTMLDialogElement);
+    root.part("open-take-away", HTMLButtonElement).addEventListener("click", () => this.#open());
+    root.part("close-take-away", HTMLButtonElement).addEventListener("click", () => this.#dialog.close());
+  }
+
+  #open(): void {
+    const shown = this.#source.shown();
+    if (shown === undefined) return;
+    const [traces, context] = shown;
+    const rows = DRAWINGS.filter(([id, view]) => {
+      const isMap = id !== "map" || context.capsule.has("channel");
+      return isMap && (view === undefined || context.shows(view));
+    }).map(([id, , name]) => this.#row(name, this.#figureButtons(id, name, traces, context)));
+    const picture = context.shows("solid") ? this.#source.picture() : undefined;
+    if (picture !== undefined) {
+      const save = async () => {
+        const canvas = this.#source.picture();
+        if (canvas !== undefined) {
+          this.#save(
+            "capsule",
+            "png",
+            await picturePng(canvas, this.#legend("Capsule in the channel", traces, context)),
+          );
+        }
+      };
+      rows.push(this.#row("Capsule in the channel", [button("PNG", save)]));
+    }
+    const link = this.#source.link();
+    rows.push(
+      this.#row("Read-outs, now and along time", [
+        button("CSV", () => this.#save("readouts", "csv", toCsv(traces, context, provenance(traces, context, link)))),
+        button("JSON", () => this.#save("readouts", "json", toJson(traces, context, link))),
+      ]),
+    );
+    const live = traces[0]?.answer;
+    if (live !== undefined) {
+      const triangles = context.capsule.model.triangles();
+      const { factor } = context.units.drawn;
+      const positions = () => live.surface().map((x) => x * factor);
+      const stl = () => this.#save("surface", "stl", toStl(positions(), triangles, footer(traces, context)));
+      rows.push(this.#row(`Surface, lengths in ${context.units.drawn.plain}`, [button("STL", stl)]));
+    }
+    rows.push(
+      this.#row("Session, to open again", [
+        button("Save", () => this.#save("session", "json", this.#source.session())),
+      ]),
+    );
+    this.#root.part("take-away-list", HTMLElement).replaceChildren(...rows);
+    this.#dialog.showModal();
+  }
+
+  #figureButtons(id: string, name: string, traces: readonly Trace[], context: Context): HTMLButtonElement[] {
+    const figure = () => figureSvg(this.#root.part(id, HTMLElement), this.#legend(name, traces, context));
+    return [
+      button("SVG", () => this.#save(id, "svg", svgText(figure()))),
+      button("PNG", async () => this.#save(id, "png", await figurePng(figure()))),
+    ];
+  }
+
+  #legend(title: string, traces: readonly Trace[], context: Context): Legend {
+    const description = provenance(traces, context, this.#source.link()).join("\n");
+    return { title, foot: footer(traces, context), description };
+  }
+
+  #row(name: string, buttons: readonly HTMLButtonElement[]): HTMLElement {
+    for (const one of buttons) one.ariaLabel = `${name}, ${one.textContent}`;
+    return html("li", {}, html("span", { textContent: name }), ...buttons);
+  }
+
+  /** Gives a file to the browser to save. Its name says the model. */
+  #save(name: string, extension: string, content: BlobPart): void {
+    const digest = this.#source.shown()?.[1].capsule.model.digest ?? "";
+    const address = URL.createObjectURL(content instanceof Blob ? content : new Blob([content]));
+    html("a", { href: address, download: `capsule-${name}-${digest}.${extension}` }).click();
+    window.setTimeout(() => URL.revokeObjectURL(address), 10_000);
+  }
+}
