@@ -74,6 +74,7 @@ pub fn write_npz(path: &Path, mesh: &Mesh, instants: &[Instant]) -> Result<(), D
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::PointData;
     use crate::mesh::tests::octahedral;
     use crate::npz::Reader;
 
