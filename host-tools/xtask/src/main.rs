@@ -12,6 +12,7 @@ mod miri;
 mod mutants;
 mod notices;
 mod package;
+mod python;
 mod scenes;
 mod setup;
 mod targets;
