@@ -1,6 +1,6 @@
-//! What the caller looks at: only these nodes are reconstructed.
+//! A scene: the nodes to reconstruct and their frame of reference.
 
-/// A choice of nodes and the frame in which they are given. Fields and instants are chosen by the calls.
+/// Nodes and the frame in which they are given. The call chooses the field and the instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scene<'a> {
     /// Nodes to reconstruct.
@@ -12,18 +12,18 @@ pub struct Scene<'a> {
 /// Nodes of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Nodes<'a> {
-    /// The full mesh; each sector node is computed once and mirrored.
+    /// All nodes of the mesh; sector nodes are computed once and mirrored.
     All,
-    /// A named set of the model.
+    /// A named set of the model, such as [`MIDPLANE`](crate::MIDPLANE).
     Set(&'a str),
-    /// Full node indices.
+    /// Indices of nodes in the full mesh.
     List(&'a [u16]),
 }
 
 /// Frame of reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frame {
-    /// At rest with the duct; the capsule starts at x = 0.
+    /// At rest with the channel; the capsule starts at x = 0.
     Laboratory,
     /// Moving with the capsule's volume centroid.
     Centroid,

@@ -4,7 +4,7 @@ mod common;
 #[path = "common/header.rs"]
 mod header;
 
-use capsule_core::model::wire::{Blob, Contents, Digits, Encoding, Matrix, Reference};
+use capsule_core::model::wire::{Blob, Contents, Encoding, Matrix, Reference, Widths};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
 use common::{Arena, Family, write};
@@ -424,8 +424,8 @@ fn the_message_is_postcard() {
     contents.metadata.created_unix_s = u32::MAX;
     contents.metadata.title = "a µ-capsule";
     contents.default_method = Method::Paper;
-    contents.clusters[0].field.modes.encoding = Encoding::Columns(Digits { coarse: 300 });
-    contents.clusters[1].field.spans[0].core.encoding = Encoding::RowPanels(Digits { coarse: 0 });
+    contents.clusters[0].field.modes.encoding = Encoding::Columns(Widths { wide_columns: 300 });
+    contents.clusters[1].field.spans[0].core.encoding = Encoding::RowPanels(Widths { wide_columns: 0 });
     read_as_postcard_reads(&write(&contents)[HEADER..]);
     contents.clusters[0].field.modes.encoding = Encoding::F32;
     contents.clusters[1].field.spans[0].core.encoding = Encoding::F32;

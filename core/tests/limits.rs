@@ -3,8 +3,8 @@
 
 mod common;
 
-use capsule_core::error::{EvaluateError, OpenError};
 use capsule_core::model::wire::{Contents, Matrix};
+use capsule_core::{EvaluateError, OpenError};
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace, scratch_len};
 use common::{Arena, Family, distance, write};
 

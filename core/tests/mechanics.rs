@@ -235,7 +235,7 @@ fn integrals(family: &Family, model: &Model<'_>, membrane: &Membrane<'_, '_, f64
         // The node's representative tells the same.
         let (index, operation) = mesh.origin(node).unwrap();
         let stencil = Stencil::at(&mesh, mesh.sector_nodes().get(index).unwrap()).unwrap();
-        let carried = membrane.deformation(&stencil).unwrap().carried(operation);
+        let carried = membrane.deformation(&stencil).unwrap().transformed(operation);
         let carried = carried.load(capillary_number).unwrap();
         let difference: Point = std::array::from_fn(|d| carried[d] - load[d]);
         assert!(

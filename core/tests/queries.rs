@@ -13,7 +13,7 @@ use proptest::prelude::*;
 const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
 
 #[test]
-fn parameters_are_judged() {
+fn parameters_are_validated() {
     let file = Family::new(2).file();
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f64>::new();
@@ -59,7 +59,7 @@ fn parameters_are_judged() {
                     ("confinement", prepare(0.05, bad, extrapolate).unwrap_err()),
                 ] {
                     assert!(matches!(error, EvaluateError::Parameter { .. }), "{error}");
-                    assert!(error.named(&model).to_string().starts_with(name), "{error}");
+                    assert!(model.describe(error).to_string().starts_with(name), "{error}");
                 }
             }
         }
@@ -69,7 +69,7 @@ fn parameters_are_judged() {
 }
 
 #[test]
-fn instants_and_steps_are_judged() {
+fn instants_and_steps_are_validated() {
     let file = Family::new(2).file();
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
@@ -162,6 +162,26 @@ fn a_workspace_serves_two_models() {
     assert_eq!(answer(&first), alone);
 }
 
+/// Checks that all numbers of an answer are finite, or that its error is one of those of an extrapolated shape.
+fn assert_finite_or_refused<A>(what: &str, answer: Result<A, EvaluateError>, numbers: impl FnOnce(A) -> Vec<f32>) {
+    match answer {
+        Ok(answer) => {
+            let numbers = numbers(answer);
+            assert!(
+                !numbers.is_empty() && numbers.iter().all(|number| number.is_finite()),
+                "{what}: {numbers:?}"
+            );
+        }
+        Err(error) => assert!(
+            matches!(
+                error,
+                EvaluateError::NotFinite | EvaluateError::WrongVolume { .. } | EvaluateError::BeyondWall { .. }
+            ),
+            "{what}: {error}"
+        ),
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -179,24 +199,46 @@ proptest! {
             let mut workspace = Workspace::<f32>::new();
             let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
             let query = Query { extrapolate: true, step: Some(step), ..Query::new([ca, confinement], METHODS[usize::from(paper)]) };
-            if evaluator.prepare(&query).is_err() {
+            let Ok(domain) = evaluator.prepare(&query) else {
+                assert_eq!(evaluator.at(1.0).unwrap_err(), EvaluateError::NotPrepared);
                 return;
-            }
-            let Ok(mut instant) = evaluator.at(t) else { return };
-            let finite = |points: &[[f32; 3]]| points.iter().flatten().all(|x| x.is_finite());
+            };
+            let mut instant = match evaluator.at(t) {
+                Ok(instant) => instant,
+                Err(error) => {
+                    assert!(!(0.0..=4.0).contains(&t) && matches!(error, EvaluateError::Value { .. }), "{t}: {error}");
+                    return;
+                }
+            };
             let mut points = vec![[0.0; 3]; model.mesh().nodes()];
             let scene = Scene { nodes: Nodes::All, frame: Frame::Laboratory };
-            assert!(instant.positions(&scene, &mut points).is_err() || finite(&points));
-            assert!(instant.velocities(&scene, &mut points).is_err() || finite(&points));
-            assert!(instant.observables().map_or(true, |found| found.centroid.is_finite()));
-            assert!(instant.centroid().map_or(true, f32::is_finite));
-            assert!(instant.centroid_velocity().map_or(true, f32::is_finite));
-            assert!(instant.volume().map_or(true, f32::is_finite));
-            assert!(instant.expected_error().map_or(true, f32::is_finite));
-            assert!(instant.error_bound().map_or(true, f32::is_finite));
+            let positions = instant.positions(&scene, &mut points);
+            assert_finite_or_refused("positions", positions, |count| points[..count].as_flattened().to_vec());
+            let velocities = instant.velocities(&scene, &mut points);
+            assert_finite_or_refused("velocities", velocities, |count| points[..count].as_flattened().to_vec());
+            assert_finite_or_refused("observables", instant.observables(), |found| {
+                vec![
+                    found.axial_length,
+                    found.half_width,
+                    found.half_diagonal,
+                    found.rear_depth,
+                    found.velocity,
+                    found.centroid,
+                ]
+            });
+            assert_finite_or_refused("centroid", instant.centroid(), |found| vec![found]);
+            assert_finite_or_refused("centroid velocity", instant.centroid_velocity(), |found| vec![found]);
+            assert_finite_or_refused("volume", instant.volume(), |found| vec![found]);
+            assert_finite_or_refused("expected error", instant.expected_error(), |found| vec![found]);
+            if domain == Domain::Inside {
+                assert_finite_or_refused("error bound", instant.error_bound(), |found| vec![found]);
+            } else {
+                assert_eq!(instant.error_bound(), Err(EvaluateError::NoBound));
+            }
             let mut outline = vec![[0.0; 2]; 100];
             for name in [MIDPLANE, DIAGONAL] {
-                let _ = instant.outline(name, Frame::Laboratory, &mut outline);
+                let points = instant.outline(name, Frame::Laboratory, &mut outline);
+                assert_finite_or_refused(name, points, |count| outline[..count].as_flattened().to_vec());
             }
         });
     }

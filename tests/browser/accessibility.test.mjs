@@ -1,10 +1,10 @@
-// axe-core finds nothing to object to: wide and narrow, light and dark, with and without an answer.
+// axe-core finds no violation: wide and narrow, light and dark, with and without an answer.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { after, before, test } from "node:test";
-import { openPage, serve, startBrowser } from "./support.mjs";
+import { test } from "node:test";
+import { explorer } from "./support.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const EVERYTHING =
@@ -25,22 +25,11 @@ const SITUATIONS = {
   "missing model": ["?model=./nothing.crom", { viewport: { width: 1440, height: 900 } }],
 };
 
-let browser;
-let server;
-
-before(async () => {
-  server = await serve();
-  browser = await startBrowser();
-});
-
-after(async () => {
-  await browser?.close();
-  server?.stop();
-});
+const { open } = explorer();
 
 for (const [situation, [address, options]] of Object.entries(SITUATIONS)) {
   test(`accessibility: ${situation}`, async () => {
-    const { page, close } = await openPage(browser, `${server.url}${address}`, options);
+    const { page, close } = await open(address, options);
     await page.evaluate(AXE);
     const { violations } = await page.evaluate(() => window.axe.run(document));
     const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
@@ -51,7 +40,7 @@ for (const [situation, [address, options]] of Object.entries(SITUATIONS)) {
 
 for (const dialog of ["take-away", "units", "help"]) {
   test(`accessibility: the dialog ${dialog}`, async () => {
-    const { page, close } = await openPage(browser, `${server.url}#views=midplane`, { colorScheme: "dark" });
+    const { page, close } = await open("#views=midplane", { colorScheme: "dark" });
     await page.click(`#open-${dialog}`);
     await page.evaluate(AXE);
     const { violations } = await page.evaluate(() => window.axe.run(document));
@@ -61,14 +50,14 @@ for (const dialog of ["take-away", "units", "help"]) {
 }
 
 test("nothing is wider than a phone", async () => {
-  const { page, close } = await openPage(browser, server.url, { viewport: { width: 360, height: 740 } });
+  const { page, close } = await open("", { viewport: { width: 360, height: 740 } });
   const [content, window_] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
   assert.ok(content <= window_, `${content} px of content in ${window_} px`);
   await close();
 });
 
 test("every control is reached by the Tab key and shows that it has the focus", async () => {
-  const { page, close } = await openPage(browser, server.url);
+  const { page, close } = await open();
   const reached = new Set();
   for (let i = 0; i < 60; i++) {
     await page.keyboard.press("Tab");

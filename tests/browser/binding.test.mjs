@@ -1,4 +1,4 @@
-// The WebAssembly module of the page, asked without the page: what is refused is refused by every question.
+// The WebAssembly module without the page: after a refusal every method refuses.
 
 import assert from "node:assert/strict";
 import { before, test } from "node:test";

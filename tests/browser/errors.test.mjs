@@ -1,14 +1,11 @@
-// How CapsuleExplorer states an answer's validity: what its errors are taken against, that it is extrapolated, and that
-// there is none.
+// How CapsuleExplorer states an answer's validity: the reference of its errors, extrapolation, and refusal.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { after, before, describe, test } from "node:test";
+import { describe, test } from "node:test";
 import { crc32 } from "node:zlib";
-import { figures, MODEL, openModel, openPage, predict, QUANTITIES, serve, settled, startBrowser } from "./support.mjs";
+import { explorer, FLAT, figures, MODEL, openModel, predict, QUANTITIES, settled } from "./support.mjs";
 
-/** Without the space view, which an emulated graphics card draws slowly. */
-const FLAT = "&views=midplane.diagonal.transversal";
 const INSIDE = { ca: 0.1, confinement: 0.9, t: 3 };
 /** Just beyond the largest steady Ca, where the shape is still one that a capsule can have. */
 const EXTRAPOLATED = { ca: 0.13, confinement: 0.95, t: 3 };
@@ -16,31 +13,7 @@ const EXTRAPOLATED = { ca: 0.13, confinement: 0.95, t: 3 };
 const REFUSED = { ca: 0.15, confinement: 1.1, t: 20 };
 const UNREFUSED = 0.5;
 
-let browser;
-let server;
-
-before(async () => {
-  server = await serve();
-  browser = await startBrowser();
-});
-
-after(async () => {
-  await browser?.close();
-  server?.stop();
-});
-
-/** Runs a test on a fresh page; fails if the console reports an error. */
-function onPage(name, fragment, drive) {
-  test(name, async () => {
-    const { page, errors, close } = await openPage(browser, `${server.url}${fragment}`);
-    try {
-      await drive(page);
-      assert.deepEqual(errors, [], "the console is silent");
-    } finally {
-      await close();
-    }
-  });
-}
+const { open, onPage } = explorer();
 
 const link = ({ ca, confinement, t }, more = "") => `#ca=${ca}&al=${confinement}&t=${t}${more}`;
 const answer = (page) => page.getAttribute("body", "data-answer");
@@ -49,7 +22,7 @@ const set = async (page, patch) => {
   await settled(page);
 };
 
-/** Waits for what a screen reader is told once things have come to rest. */
+/** Waits for the announcement to screen readers, which comes when the state has come to rest. */
 async function announced(page) {
   await page.waitForFunction(() => document.querySelector("#announcement").textContent !== "");
   return words(page, "#announcement");
@@ -69,7 +42,7 @@ async function assertNothing(page) {
   assert.equal(await drawn.count(), 0);
   assert.match(await page.getAttribute("#figures", "aria-label"), /no shape/);
   assert.equal(await page.isVisible("#extrapolated"), false);
-  // Longer than the announcement waits for things to come to rest.
+  // Longer than the delay of the announcement.
   await page.waitForTimeout(900);
   assert.equal(await page.textContent("#announcement"), "");
 }
@@ -97,7 +70,7 @@ function membraneChanged(law, stiffness) {
   const number = Buffer.alloc(8);
   number.writeDoubleLE(1e-4);
   file.writeDoubleLE(stiffness, file.indexOf(number, place));
-  // Of all that the header says only the checksum of what follows it changes.
+  // In the header only the checksum of the payload changes.
   file.writeUInt32LE(crc32(file.subarray(HEADER)), HEADER - 4);
   return file;
 }
@@ -235,7 +208,7 @@ describe("a shape that no capsule can have", () => {
 
   test("at t = 0 does not take the answer from a later instant", async () => {
     const query = await startsRefused();
-    const { page, close } = await openPage(browser, server.url + link(query, `&extrapolate=1${FLAT}`));
+    const { page, close } = await open(link(query, `&extrapolate=1${FLAT}`));
     assert.equal(await answer(page), "extrapolated");
     assert.ok((await page.getAttribute("#midplane .membrane", "d")).length > 100);
     assert.equal(await page.getAttribute("#midplane .initial", "d"), "");
@@ -278,7 +251,7 @@ describe("a refused query", () => {
     assert.equal(await page.getAttribute("#track .trace", "d"), "");
     assert.equal(await page.textContent("#track .caption"), "");
     assert.equal(await page.getAttribute("#track .now", "r"), "0.00");
-    // Nor when the stages are laid out anew.
+    // Nor after a new layout.
     await page.setViewportSize({ width: 1300, height: 850 });
     await settled(page);
     assert.equal(await page.getAttribute("#midplane .membrane", "d"), "");

@@ -1,52 +1,27 @@
-// CapsuleExplorer in Chromium: its figures are the native core's, its controls do what they say, its link restores it,
-// and nothing is said on the console.
+// CapsuleExplorer in Chromium: its figures equal the native core's, its controls work, its link restores the state, and
+// the console stays silent.
 
 import assert from "node:assert/strict";
-import { after, before, describe, test } from "node:test";
-import { mkdtempSync, rmSync } from "node:fs";
+import { describe, test } from "node:test";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import {
   capsuleRom,
+  explorer,
+  FLAT,
   figures,
   openPage,
   otherModel,
   predict,
   QUANTITIES,
-  serve,
   settled,
   startBrowser,
 } from "./support.mjs";
 
-/** Without the space view, which an emulated graphics card draws slowly. */
-const FLAT = "&views=midplane.diagonal.transversal";
+const PAGE = JSON.parse(readFileSync(new URL("../../wasm/explorer/package.json", import.meta.url), "utf8"));
 
-let browser;
-let server;
-
-before(async () => {
-  server = await serve();
-  browser = await startBrowser();
-});
-
-after(async () => {
-  await browser?.close();
-  server?.stop();
-});
-
-/** Runs a test on a fresh page; fails if the console reports an error. */
-function onPage(name, fragment, drive, options) {
-  test(name, async () => {
-    const { page, errors, close } = await openPage(browser, `${server.url}${fragment}`, options);
-    try {
-      assert.equal(await page.getAttribute("body", "data-status"), "ready");
-      await drive(page);
-      assert.deepEqual(errors, [], "the console is silent");
-    } finally {
-      await close();
-    }
-  });
-}
+const { open, onPage, url } = explorer();
 
 async function fill(page, id, value) {
   await page.fill(`#${id}`, String(value));
@@ -211,7 +186,7 @@ describe("the link", () => {
     await page.waitForFunction(() => window.location.hash.includes("velocity"));
     const { playing: _, ...wanted } = await readState(page);
     const shown = await figures(page);
-    const again = await openPage(browser, page.url());
+    const again = await open(new URL(page.url()).hash);
     const { playing: __, ...found } = await readState(again.page);
     assert.deepEqual(found, wanted);
     assert.deepEqual(await figures(again.page), shown);
@@ -317,18 +292,31 @@ describe("what is out of sight", () => {
   );
 });
 
+describe("the licences", () => {
+  onPage("of all that the page bundles are behind its link", `#t=1${FLAT}`, async (page) => {
+    const file = new URL(await page.getAttribute("#model a", "href"), url());
+    const text = await (await fetch(file)).text();
+    const packages = Object.keys(PAGE.dependencies);
+    assert.ok(packages.length > 2);
+    for (const name of [...packages, "Rust standard library", "libm", "postcard", "wasm-bindgen"]) {
+      assert.ok(text.includes(`## ${name} - `), name);
+    }
+    assert.ok(text.includes("SIL OPEN FONT LICENSE") && text.includes("Permission is hereby granted"));
+  });
+});
+
 describe("without", () => {
   test("a model the page says what is missing and what would help", async () => {
-    const { page, close } = await openPage(browser, `${server.url}?model=./nothing.crom`);
+    const { page, close } = await open("?model=./nothing.crom");
     assert.equal(await page.getAttribute("body", "data-status"), "failed");
     assert.match(await page.innerText("#failure"), /nothing\.crom is missing[\s\S]*cargo xtask explore/);
     await close();
   });
 
   test("a sound model the page repeats the core's reason", async () => {
-    const { page, errors, close } = await openPage(browser, server.url);
+    const { page, errors, close } = await open();
     const file = (buffer) => ({ name: "broken.crom", mimeType: "application/octet-stream", buffer });
-    const model = Buffer.from(await (await fetch(`${server.url}capsule.crom`)).arrayBuffer());
+    const model = Buffer.from(await (await fetch(`${url()}capsule.crom`)).arrayBuffer());
     const damaged = Buffer.from(model);
     damaged[damaged.length >> 1] ^= 1;
     for (const [buffer, reason] of [
@@ -344,7 +332,7 @@ describe("without", () => {
     }
     await page.setInputFiles("#model-file", file(damaged));
     await page.waitForFunction(() => document.body.dataset.status === "failed");
-    // A good file that is dropped on the page opens, and the page goes on with it.
+    // A valid file that is dropped on the page opens.
     await page.evaluate(async () => {
       const bytes = await (await fetch("capsule.crom")).arrayBuffer();
       const dataTransfer = new DataTransfer();
@@ -367,7 +355,7 @@ describe("without", () => {
   test("WebGL the sections and figures still work", async () => {
     const plain = await startBrowser(["--disable-gpu", "--disable-3d-apis"]);
     try {
-      const { page } = await openPage(plain, server.url);
+      const { page } = await openPage(plain, url());
       assert.equal(await page.getAttribute("body", "data-status"), "ready");
       assert.match(await page.innerText("#solid"), /WebGL/);
       assert.equal(Object.keys(await figures(page)).length, QUANTITIES.length);

@@ -3,35 +3,10 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { after, before, describe, test } from "node:test";
-import { figures, openPage, predict, QUANTITIES, serve, settled, startBrowser } from "./support.mjs";
+import { describe, test } from "node:test";
+import { explorer, FLAT, figures, predict, QUANTITIES, settled } from "./support.mjs";
 
-const FLAT = "&views=midplane.diagonal.transversal";
-
-let browser;
-let server;
-
-before(async () => {
-  server = await serve();
-  browser = await startBrowser();
-});
-
-after(async () => {
-  await browser?.close();
-  server?.stop();
-});
-
-function onPage(name, fragment, drive, options) {
-  test(name, async () => {
-    const { page, errors, close } = await openPage(browser, `${server.url}${fragment}`, options);
-    try {
-      await drive(page);
-      assert.deepEqual(errors, [], "the console is silent");
-    } finally {
-      await close();
-    }
-  });
-}
+const { open, onPage, url } = explorer();
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const native = (ca, confinement, t, method = "direct") => predict(ca, confinement, [t], method).instants[0];
@@ -62,7 +37,7 @@ describe("a comparison", () => {
     assert.equal(await page.locator("#midplane .pin-A").count(), 1);
     assert.equal(await page.locator("#map .pin-A").count(), 1);
     await page.waitForFunction(() => window.location.hash.includes("pins=A"));
-    const again = await openPage(browser, page.url());
+    const again = await open(page.url().slice(url().length));
     assert.deepEqual((await state(again.page)).pins, (await state(page)).pins);
     await again.close();
     await page.getByRole("button", { name: "Remove A" }).click();
@@ -272,10 +247,12 @@ describe("the sheet of keys", () => {
   });
 
   test("is not needed to learn what a browser without a program is missing", async () => {
-    const context = await browser.newContext({ javaScriptEnabled: false });
+    const { page: first, close } = await open("#views=midplane");
+    const context = await first.context().browser().newContext({ javaScriptEnabled: false });
     const page = await context.newPage();
-    await page.goto(server.url);
+    await page.goto(url());
     assert.match(await page.innerText("noscript p"), /JavaScript and WebAssembly/);
     await context.close();
+    await close();
   });
 });

@@ -17,7 +17,7 @@ async function measure() {
   const bytes = new Uint8Array(await (await fetch("/capsule.crom")).arrayBuffer());
   const medians = {};
   const time = (name, repetitions, task) => {
-    // The engine compiles in the background what turns out to be hot.
+    // The engine compiles hot code in the background.
     const warm = performance.now() + 500;
     for (let i = 0; performance.now() < warm; i++) task(-1 - i);
     const samples = Array.from({ length: 15 }, (_, sample) => {
@@ -32,7 +32,7 @@ async function measure() {
   const model = Model.open(bytes);
   const evaluation = model.evaluation();
   for (const method of ["direct", "paper"]) {
-    // Each query is new, or the core would answer from what it still holds.
+    // Each query is new: the core keeps the results of the last one.
     const query = (i) => evaluation.prepare(Float64Array.of(0.05 + 1e-6 * (i % 40_000), 0.9), method, false);
     const readings = (t) => {
       evaluation.goTo(t);

@@ -1,9 +1,11 @@
-// What the tests share: the server, the browser, a page that fails on console errors, and the native core.
+// Shared by the tests: the server, the browser, a page that fails on console errors, and the native core.
 
+import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { resolve } from "node:path";
+import { after, before, test } from "node:test";
 import { chromium } from "playwright-core";
 
 const ROOT = resolve(import.meta.dirname, "../..");
@@ -31,17 +33,40 @@ export async function openModel() {
   return Model.open(readFileSync(MODEL));
 }
 
-/** The read-outs, by the names that they have in JSON. */
-export const QUANTITIES = [
-  "axial_length",
-  "half_width",
-  "half_diagonal",
-  "rear_depth",
-  "velocity",
-  "volume",
-  "expected_error",
-  "error_bound",
-];
+export { QUANTITIES } from "../../wasm/explorer/src/app/quantities.js";
+
+/** Without the space view, which an emulated graphics card draws slowly. */
+export const FLAT = "&views=midplane.diagonal.transversal";
+
+/**
+ * A server and a browser for the tests of one file. `open` opens the page at an address relative to the server's;
+ * `onPage` defines a test that drives a fresh page, and fails if the console reports an error.
+ */
+export function explorer() {
+  let browser;
+  let server;
+  before(async () => {
+    server = await serve();
+    browser = await startBrowser();
+  });
+  after(async () => {
+    await browser?.close();
+    server?.stop();
+  });
+  const open = (address = "", options = {}) => openPage(browser, server.url + address, options);
+  const onPage = (name, address, drive, options) =>
+    test(name, async () => {
+      const { page, errors, close } = await open(address, options);
+      try {
+        assert.equal(await page.getAttribute("body", "data-status"), "ready");
+        await drive(page);
+        assert.deepEqual(errors, [], "the console is silent");
+      } finally {
+        await close();
+      }
+    });
+  return { open, onPage, url: () => server.url };
+}
 
 /** Starts Chromium; CHROMIUM names another executable. `extra` are further arguments. */
 export function startBrowser(extra = []) {
@@ -90,7 +115,7 @@ function freePort() {
   });
 }
 
-/** Opens the page and waits until it is ready or has failed; `errors` gathers what the console reports. */
+/** Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. */
 export async function openPage(browser, address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
   const page = await context.newPage();
@@ -117,7 +142,7 @@ export function figures(page) {
   );
 }
 
-/** Runs the native `capsule-rom` and returns what it prints; throws with its words. CAPSULE_ROM names the program. */
+/** Runs the native `capsule-rom` and returns its output; throws with its message. CAPSULE_ROM names the program. */
 export function capsuleRom(options) {
   const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
   const program = process.env.CAPSULE_ROM ?? built;
@@ -127,7 +152,7 @@ export function capsuleRom(options) {
   return execFileSync(program, options.map(String), { encoding: "utf8", stdio: "pipe" });
 }
 
-/** What the native core says: the JSON of `capsule-rom predict`. */
+/** The native core's answer: the JSON of `capsule-rom predict`. */
 export function predict(ca, confinement, times, method, extrapolate = false) {
   const query = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
   if (extrapolate) query.push("--extrapolate");

@@ -52,6 +52,12 @@ export default defineConfig({
   base: "./",
   appType: "mpa",
   plugins: [shippedModel(), preloadedModule()],
-  build: { target: "es2023", assetsInlineLimit: 0, chunkSizeWarningLimit: 800 },
+  build: {
+    target: "es2023",
+    assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 800,
+    // The licences of the bundled packages; `cargo xtask explore` adds those of the module's crates.
+    license: { fileName: "THIRD-PARTY.txt" },
+  },
   server: { port: 5173, strictPort: true },
 });

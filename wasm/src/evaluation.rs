@@ -8,9 +8,8 @@ use capsule_core::{
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
-/// One query of a model and the storage for answering it. The core keeps there what it has computed, so a query that is
-/// set twice, or an instant that several methods ask for, is computed once. A query that is refused leaves none: what
-/// is asked then is refused too, and not answered for the query before.
+/// One query of a model and the storage for its answers. The core keeps its results there: a query that is set twice,
+/// or an instant that several methods ask for, is computed once. After a refused query every method refuses.
 #[wasm_bindgen]
 pub struct Evaluation {
     shared: Rc<Shared>,
@@ -71,7 +70,7 @@ impl Evaluation {
                 )));
             }
         };
-        let expected = self.shared.core().contents().metadata.parameters.len();
+        let expected = self.shared.core().parameters().len();
         let found = parameters.len();
         let parameters =
             Parameters::from_doubles(parameters).ok_or(EvaluateError::ParameterCount { expected, found })?;
@@ -81,7 +80,7 @@ impl Evaluation {
         };
         let model = self.shared.core();
         let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&query);
-        let domain = prepared.map_err(|error| JsError::new(&error.named(model).to_string()))?;
+        let domain = prepared.map_err(|error| JsError::new(&model.describe(error).to_string()))?;
         self.query = Some(query);
         Ok(domain.name().to_owned())
     }
@@ -95,8 +94,8 @@ impl Evaluation {
     /// Lengths and velocity; computes the two outlines only.
     ///
     /// # Errors
-    /// No query, an instant outside the model's times, or an extrapolated shape that no capsule has; so for all that
-    /// follow.
+    /// No query, an instant outside the model's times, or an extrapolated shape that no capsule has. The methods below
+    /// have the same errors.
     pub fn readings(&mut self) -> Result<Readings, JsError> {
         let found = self.ask(|instant| instant.observables())?;
         Ok(Readings {
@@ -120,8 +119,8 @@ impl Evaluation {
         self.ask(|instant| instant.expected_error())
     }
 
-    /// The bound that 95 % of the errors are below, like the expected error; undefined outside the sampled domain,
-    /// where none is calibrated.
+    /// The bound below which 95 % of the errors lie, in the unit of the expected error; undefined outside the sampled
+    /// domain, where no bound is calibrated.
     #[wasm_bindgen(js_name = errorBound)]
     pub fn error_bound(&mut self) -> Result<Option<f32>, JsError> {
         self.ask(|instant| {

@@ -1,7 +1,7 @@
-//! capsule-core in the browser: a model, and evaluations of it in single precision, as natively and on a
-//! microcontroller, so that the same bits come out. Every failure is a JavaScript `Error` with the core's text.
+//! capsule-core in the browser: a model, and its evaluations in single precision with the same bits as natively and on
+//! a microcontroller. Every failure is a JavaScript `Error` with the core's text.
 //!
-//! The page pays for what it asks: each method computes what it returns and nothing else.
+//! Each method computes only its own result.
 
 mod batch;
 mod evaluation;

@@ -1,9 +1,8 @@
-//! An opened model file and what it says of itself.
+//! An opened model file and its metadata.
 
 use crate::evaluation::Evaluation;
 use crate::surface::{Surface, normals};
-use capsule_core::model::MatrixView;
-use capsule_core::model::wire::Reference;
+use capsule_core::model::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
 use self_cell::self_cell;
 use std::rc::Rc;
@@ -20,7 +19,7 @@ self_cell!(
     }
 );
 
-/// What all evaluations of a model share.
+/// The parts that all evaluations of a model share.
 pub(crate) struct Shared {
     file: File,
     /// The membrane as triangles to draw.
@@ -49,7 +48,7 @@ impl Model {
     /// Opens the bytes of a file.
     ///
     /// # Errors
-    /// What is wrong with the file, in the core's words.
+    /// The core's error text.
     pub fn open(bytes: Vec<u8>) -> Result<Model, JsError> {
         let file = File::try_new(bytes, |bytes| CoreModel::open(bytes))?;
         let mesh = file.borrow_dependent().mesh();
@@ -68,22 +67,22 @@ impl Model {
         Evaluation::new(self.shared.clone())
     }
 
-    /// Title for people.
+    /// Title.
     #[wasm_bindgen(getter)]
     pub fn title(&self) -> String {
-        self.shared.core().contents().metadata.title.to_owned()
+        self.shared.core().title().to_owned()
     }
 
     /// Constitutive law of the membrane.
     #[wasm_bindgen(getter, js_name = membraneLaw)]
     pub fn membrane_law(&self) -> String {
-        self.shared.core().contents().metadata.membrane_law.to_owned()
+        self.shared.core().membrane_law().to_owned()
     }
 
     /// Bending stiffness B of the full-order model, in G_s a^2; undefined where it is not known.
     #[wasm_bindgen(getter, js_name = bendingStiffness)]
     pub fn bending_stiffness(&self) -> Option<f64> {
-        self.shared.core().contents().metadata.bending_stiffness
+        self.shared.core().bending_stiffness()
     }
 
     /// CRC-32 of the payload in hexadecimal: identifies the model.
@@ -92,16 +91,16 @@ impl Model {
         format!("{:08x}", self.shared.core().digest())
     }
 
-    /// Digest of the snapshots that the model was made from.
+    /// Digest of the snapshots behind the model.
     #[wasm_bindgen(getter, js_name = databaseDigest)]
     pub fn database_digest(&self) -> String {
-        self.shared.core().contents().metadata.database_digest.to_owned()
+        self.shared.core().database_digest().to_owned()
     }
 
     /// Creation time, seconds since 1970-01-01 UTC.
     #[wasm_bindgen(getter, js_name = createdUnixS)]
     pub fn created_unix_s(&self) -> f64 {
-        self.shared.core().contents().metadata.created_unix_s.into()
+        self.shared.core().created_unix_s().into()
     }
 
     /// Nodes of the full mesh.
@@ -110,16 +109,16 @@ impl Model {
         self.shared.nodes
     }
 
-    /// The last instant that can be asked for.
+    /// The last instant, in l/V.
     #[wasm_bindgen(getter, js_name = endTime)]
     pub fn end_time(&self) -> f64 {
         self.shared.core().end_time().into()
     }
 
-    /// The method to take when the user has no wish: "direct" or "paper".
+    /// The default method: "direct" or "paper".
     #[wasm_bindgen(getter, js_name = defaultMethod)]
     pub fn default_method(&self) -> String {
-        match self.shared.core().contents().default_method {
+        match self.shared.core().default_method() {
             Method::Direct => "direct",
             Method::Paper => "paper",
         }
@@ -129,13 +128,13 @@ impl Model {
     /// Whether this is a capsule in the channel, over Ca and a/l.
     #[wasm_bindgen(getter, js_name = isChannel)]
     pub fn is_channel(&self) -> bool {
-        matches!(self.shared.core().contents().mesh.reference, Reference::Sphere)
+        matches!(self.shared.core().reference(), Reference::Sphere)
     }
 
     /// The length that the page draws as one: l in the channel, else the capsule's radius, in the unit of length.
     #[wasm_bindgen(getter, js_name = drawnLength)]
     pub fn drawn_length(&self) -> f64 {
-        match self.shared.core().contents().mesh.reference {
+        match self.shared.core().reference() {
             Reference::Sphere => 1.0,
             Reference::Shape { radius, .. } => radius,
         }
@@ -150,30 +149,30 @@ impl Model {
 
     /// The units of length, velocity and time.
     pub fn units(&self) -> Vec<String> {
-        let units = &self.shared.core().contents().metadata.units;
+        let units = &self.shared.core().units();
         [units.length, units.velocity, units.time].map(str::to_owned).to_vec()
     }
 
     /// The parameters' names, in the order of a query's.
     #[wasm_bindgen(js_name = parameterNames)]
     pub fn parameter_names(&self) -> Vec<String> {
-        let parameters = &self.shared.core().contents().metadata.parameters;
+        let parameters = self.shared.core().parameters();
         parameters.iter().map(|parameter| parameter.name.to_owned()).collect()
     }
 
     /// Ranges in which the model was sampled: least and greatest value of the first parameter, then of the second ...
     pub fn ranges(&self) -> Vec<f64> {
-        let parameters = &self.shared.core().contents().metadata.parameters;
+        let parameters = self.shared.core().parameters();
         parameters.iter().flat_map(|range| [range.min, range.max]).collect()
     }
 
     /// Sampled parameters, one set after another. A sample that clusters share is given once.
     pub fn samples(&self) -> Vec<f64> {
         let mut samples: Vec<Vec<f64>> = Vec::new();
-        let contents = self.shared.core().contents();
-        let ranges = &contents.metadata.parameters;
-        for cluster in &contents.clusters {
-            let rows = MatrixView::new(&cluster.samples.parameters);
+        let core = self.shared.core();
+        let ranges = core.parameters();
+        for cluster in core.clusters() {
+            let rows = cluster.parameters();
             for row in 0..rows.rows() {
                 let columns = (0..rows.columns()).zip(ranges);
                 let sample = columns
@@ -187,34 +186,44 @@ impl Model {
         samples.concat()
     }
 
-    /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by rising a/l.
+    /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by increasing a/l.
     #[wasm_bindgen(js_name = steadyLimit)]
     pub fn steady_limit(&self) -> Vec<f64> {
-        let rows = MatrixView::new(&self.shared.core().contents().steady_limit).pairs();
+        let rows = self.shared.core().steady_limit_points().pairs();
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
-    /// Border where the solution jumps: a/l, Ca, a/l, Ca, ..., by rising a/l; empty where there is none.
+    /// Border where the solution jumps, within the sampled range of a/l: a/l, Ca, a/l, Ca, ..., by increasing a/l; empty
+    /// where there is none.
     #[wasm_bindgen(js_name = jumpBorder)]
     pub fn jump_border(&self) -> Vec<f64> {
-        let rows = MatrixView::new(&self.shared.core().contents().border).pairs();
-        rows.flat_map(|row: [f64; 2]| row).collect()
+        const STEPS: u32 = 64;
+        let core = self.shared.core();
+        let [_, range] = core.parameters() else {
+            return Vec::new();
+        };
+        let place = |step| range.min + (range.max - range.min) * f64::from(step) / f64::from(STEPS);
+        (0..=STEPS)
+            .map(place)
+            .filter_map(|confinement| Some([confinement, core.jump_curve().within(confinement)?]))
+            .flatten()
+            .collect()
     }
 
-    /// The parameters to suggest instead of ones outside: each moved into its range, and Ca below the steady limit
-    /// where there is one, to a thousandth.
+    /// The parameters to suggest instead of those outside the domain: each moved into its range, and Ca below the
+    /// steady limit where there is one, to a thousandth.
     pub fn nearest(&self, parameters: &[f64]) -> Vec<f64> {
         let core = self.shared.core();
-        let ranges = &core.contents().metadata.parameters;
+        let ranges = core.parameters();
         let into_range = |(value, range): (&f64, _)| -> f64 {
-            let range: &capsule_core::model::wire::Parameter<'_> = range;
+            let range: &capsule_core::model::Parameter<'_> = range;
             value.max(range.min).min(range.max)
         };
         let mut nearest: Vec<f64> = parameters.iter().zip(ranges).map(into_range).collect();
         if let ([capillary_number, confinement], Some(range)) = (&mut nearest[..], ranges.first())
             && let Some(limit) = core.steady_limit(*confinement)
         {
-            // A limit stored as a single may lie a hair below the number it was made from.
+            // A limit stored in single precision may lie slightly below the original.
             let limit = (limit.min(range.max) * 1e3 + 1e-3).floor() / 1e3;
             *capillary_number = capillary_number.min(limit).max(range.min);
         }

@@ -1,9 +1,9 @@
-//! The closed curves that the core's cross-section, segments in no order, consists of.
+//! Closed curves from the unordered segments of the core's cross-section.
 
 use capsule_core::{EvaluateError, Model, Segment, section};
 use std::collections::BTreeMap;
 
-/// Closed curves of [y, z] in which the plane at `x` cuts the surface, each given once around. A plane through the rear
+/// Closed curves [y, z] of the surface in the plane at `x`, each given once around. A plane through the rear
 /// cavity gives two; one that misses the surface gives none.
 ///
 /// # Errors

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-/// Linear triangles that follow the P2 elements. Neighbouring elements share the vertices on their common edge, so the
-/// surface is as closed as the mesh is.
+/// Linear triangles that follow the P2 elements. Neighbouring elements share the vertices on their common edge, so a
+/// closed mesh gives a closed surface.
 #[derive(Debug)]
 pub struct Surface {
     /// Nodes of the element that holds each vertex, and the P2 shape functions there.
@@ -12,7 +12,7 @@ pub struct Surface {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What tells a vertex from the others: itself alone within an element, or its place on an edge or at a corner.
+/// The identity of a vertex: its own within an element, or its place on an edge or at a corner.
 #[derive(PartialEq, Eq, Hash)]
 enum Place {
     Corner(u16),

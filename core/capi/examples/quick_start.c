@@ -12,6 +12,7 @@ int main(void) {
   must(capsule_initialise(&workspace, sizeof workspace, &error), &error);
   capsule_description about;
   must(capsule_describe(&model, &about, &error), &error);
+  printf("capsule-rom %s, ", capsule_version());
   printf("model %08lx: %lu nodes, t up to %g\n", (unsigned long)about.digest, (unsigned long)about.nodes,
          (double)about.end_time);
   for (size_t i = 0; i < about.parameter_count; i++) {

@@ -30,6 +30,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// Version of the library.
+#define CAPSULE_VERSION "0.1.0"
+#define CAPSULE_VERSION_MAJOR 0
+#define CAPSULE_VERSION_MINOR 1
+#define CAPSULE_VERSION_PATCH 0
+
 // The most modes of a field that a workspace holds, the translation included.
 #define CAPSULE_MAX_MODES 129
 
@@ -145,7 +151,7 @@ typedef uint32_t capsule_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// How a query is answered.
+// Method that answers a query.
 enum capsule_method
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -229,7 +235,7 @@ typedef uint32_t capsule_outline;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A model: what was found in a file when it was opened. The file's bytes stay where they are.
+// An opened model. The file's bytes stay where they are.
 typedef struct capsule_model {
   // For the library.
   uint64_t opaque[CAPSULE_MODEL_WORDS];
@@ -244,7 +250,7 @@ typedef struct capsule_error {
   const char *what;
   // Length of `what`.
   size_t what_length;
-  // What was found.
+  // The figure that was found.
   double found;
   // The least that would be right.
   double least;
@@ -252,7 +258,7 @@ typedef struct capsule_error {
   double greatest;
 } capsule_error;
 
-// What a model is.
+// Description of a model.
 typedef struct capsule_description {
   // CRC-32 of the file's content: identifies the model.
   uint32_t digest;
@@ -297,11 +303,11 @@ typedef struct capsule_workspace {
   uint64_t opaque[CAPSULE_WORKSPACE_WORDS];
 } capsule_workspace;
 
-// A question. Zeros ask for the defaults.
+// A query. Zeros stand for the defaults.
 typedef struct capsule_query {
   // The parameters, in the model's order: for a capsule in the channel Ca, then a/l.
   const float *parameters;
-  // How many there are.
+  // Number of parameters.
   size_t parameter_count;
   // A `capsule_method`.
   uint32_t method;
@@ -340,6 +346,9 @@ typedef struct capsule_membrane {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled with.
+const char *capsule_v1_version(void);
 
 // The meaning of a status, as a sentence that ends with a zero.
 const char *capsule_v1_status_text(uint32_t status);
@@ -479,6 +488,7 @@ capsule_status capsule_v1_membrane_at(const struct capsule_model *model,
 #endif  // __cplusplus
 
 /* Plain names of the functions of this version. */
+#define capsule_version capsule_v1_version
 #define capsule_status_text capsule_v1_status_text
 #define capsule_open capsule_v1_open
 #define capsule_describe capsule_v1_describe

@@ -15,7 +15,7 @@ pub struct Error {
     pub what: *const c_char,
     /// Length of `what`.
     pub what_length: usize,
-    /// What was found.
+    /// The figure that was found.
     pub found: f64,
     /// The least that would be right.
     pub least: f64,
@@ -81,7 +81,7 @@ impl Error {
             EvaluateError::BeyondSteadyLimit { .. } => 0,
             _ => return failed,
         };
-        if let Some(parameter) = model.contents().metadata.parameters.get(index) {
+        if let Some(parameter) = model.parameters().get(index) {
             self.about(parameter.name);
         }
         failed

@@ -5,7 +5,7 @@ use core::mem::MaybeUninit;
 use core::ptr::NonNull;
 use core::slice;
 
-/// A value at a pointer. What it points to may be used after [`check`] has passed its bytes.
+/// A value at a pointer, to be used after [`check`] has passed its bytes.
 pub(crate) struct Place<T>(*mut T);
 
 /// `count` values at a pointer, the first of them in its place.
@@ -66,14 +66,14 @@ impl Bytes {
         self.checked_end().map(|_| ()).ok_or(Status::Overlap)
     }
 
-    /// The end of all values; none beyond the end of memory. A slice of Rust may not be longer than an isize can say.
+    /// The end of all values; none beyond the end of memory. A slice of Rust holds at most isize::MAX bytes.
     fn checked_end(&self) -> Option<usize> {
         let length = self.count.checked_mul(self.size.into())?;
         isize::try_from(length).ok()?;
         self.start.checked_add(length)
     }
 
-    /// The end of all values. A count that no memory has says nothing of where they end: then that of the first.
+    /// The end of all values; of the first one where the count exceeds the memory.
     fn end(&self) -> usize {
         let first = self.start.saturating_add(self.size.into());
         self.checked_end().unwrap_or(first)
@@ -84,8 +84,7 @@ impl Bytes {
     }
 }
 
-/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, be these sound or
-/// not.
+/// Refuses a place for the error that is misaligned or shares memory with one of the call's buffers, valid or not.
 pub(crate) fn check_error(error: Bytes, buffers: &[Bytes]) -> Result<(), Status> {
     error.validate()?;
     if buffers.iter().any(|bytes| bytes.overlaps(&error)) {
@@ -117,12 +116,12 @@ impl<T> Place<T> {
         Self(pointer)
     }
 
-    /// Where it lies, to read.
+    /// Its bytes, to read.
     pub(crate) fn read(&self) -> Bytes {
         self.bytes(1, false)
     }
 
-    /// Where it lies, to write.
+    /// Its bytes, to write.
     pub(crate) fn written(&self) -> Bytes {
         self.bytes(1, true)
     }
@@ -198,12 +197,12 @@ impl<T> Buffer<T> {
         Self { first, count }
     }
 
-    /// Where they lie, to read.
+    /// Their bytes, to read.
     pub(crate) fn read(&self) -> Bytes {
         self.first.bytes(self.count, false)
     }
 
-    /// Where they lie, to write.
+    /// Their bytes, to write.
     pub(crate) fn written(&self) -> Bytes {
         self.first.bytes(self.count, true)
     }

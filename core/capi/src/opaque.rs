@@ -1,4 +1,4 @@
-//! The two objects that a caller allocates without knowing what is in them.
+//! The two opaque objects, which the caller allocates.
 
 use crate::Status;
 use crate::memory::{Buffer, Bytes, Place};
@@ -34,7 +34,7 @@ pub const MODEL_SIZE: usize = MODEL_WORDS * 8;
 /// Alignment of a model.
 pub const MODEL_ALIGNMENT: usize = 8;
 
-/// A model: what was found in a file when it was opened. The file's bytes stay where they are.
+/// An opened model. The file's bytes stay where they are.
 #[repr(C)]
 pub struct Model {
     /// For the library.
@@ -57,7 +57,7 @@ pub(crate) type CoreWorkspace = rom::Workspace<f32, MAX_MODES, MAX_LOCAL_MODES, 
 pub(crate) trait Opaque: Sized {
     type Content;
     const TAG: u32;
-    /// What is said of an object that was not set up.
+    /// Status of a call with an object that was not set up.
     const MISSING: Status;
 }
 
@@ -79,7 +79,7 @@ impl Opaque for Workspace {
     const MISSING: Status = Status::NoWorkspace;
 }
 
-/// Memory of a workspace, to set it up in.
+/// Memory in which a workspace is set up.
 struct Room<'a>(&'a mut MaybeUninit<CoreWorkspace>);
 
 impl rom::Parts for Room<'_> {
@@ -204,17 +204,17 @@ mod tests {
     use std::boxed::Box;
     use std::format;
 
-    /// All bits set are good for numbers and for nothing else: Miri finds the part that was not written.
+    /// All bits set are valid for floating-point numbers only: Miri finds a field that was not written.
     #[test]
-    fn all_that_is_no_number_is_written() {
+    fn every_field_that_is_not_a_number_is_written() {
         let mut memory = Box::<CoreWorkspace>::new_uninit();
         // SAFETY: of the memory's size.
         unsafe { memory.as_mut_ptr().write_bytes(0xff, 1) };
         CoreWorkspace::put(&mut Room(&mut memory));
-        // SAFETY: its numbers have some bits, and the rest was written.
+        // SAFETY: its floating-point numbers accept any bits, and all other fields were written.
         let workspace = unsafe { memory.assume_init() };
         let (found, empty) = (format!("{workspace:?}"), format!("{:?}", CoreWorkspace::new()));
-        // But for the numbers they say the same.
+        // Equal apart from the numbers.
         let words = |text: &str| text.replace("NaN", "").replace(|c: char| !c.is_ascii_alphabetic(), "");
         assert_eq!(words(&found), words(&empty));
     }

@@ -129,7 +129,7 @@ impl Status {
         named.find(|status| *status as u32 == number).unwrap_or(Self::Other)
     }
 
-    /// What it means, in a sentence.
+    /// The meaning, as a sentence.
     pub fn text(self) -> &'static CStr {
         let named = Self::TEXTS.iter().find(|(status, _)| *status == self);
         named.map_or(c"", |(_, text)| text)

@@ -1,9 +1,9 @@
-//! What goes in and comes out, in C's layout.
+//! Inputs and outputs in C's layout.
 
 use capsule_core as rom;
 use core::ffi::c_char;
 
-/// How a query is answered.
+/// Method that answers a query.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -62,13 +62,13 @@ pub enum Outline {
     Diagonal = 1,
 }
 
-/// A question. Zeros ask for the defaults.
+/// A query. Zeros stand for the defaults.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
     /// The parameters, in the model's order: for a capsule in the channel Ca, then a/l.
     pub parameters: *const f32,
-    /// How many there are.
+    /// Number of parameters.
     pub parameter_count: usize,
     /// A `capsule_method`.
     pub method: u32,
@@ -78,7 +78,7 @@ pub struct Query {
     pub step: f32,
 }
 
-/// What a model is.
+/// Description of a model.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Description {

@@ -13,7 +13,7 @@ use std::process::Command;
 const EXAMPLES: [&str; 4] = ["quick_start", "instrument", "two_models", "slices"];
 /// The libraries: with both methods, and without the paper's.
 const LIBRARIES: [&str; 2] = ["lib/libcapsule.a", "lib/libcapsule_direct.a"];
-/// What a program for the second says.
+/// Output of a program for the second.
 const DIRECT: &str = "-DCAPSULE_DIRECT";
 const STRICT: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
@@ -58,7 +58,7 @@ fn package(variable: &str) -> PathBuf {
         .into()
 }
 
-/// What a program prints; it must succeed.
+/// Output of a program, which must succeed.
 fn run(command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     assert!(
@@ -111,7 +111,7 @@ fn on_host(compiler: &str, options: &[&str], example: &str, name: &str) -> PathB
     build(compiler, options, &package("CAPSULE_HOST_PACKAGE"), example, name, &[])
 }
 
-/// What the example says where nothing watches it.
+/// Output of the example without a debugger.
 fn said(example: &str, name: &str) -> String {
     run(&mut Command::new(on_host("gcc", &["-O2"], example, name)))
 }
@@ -126,10 +126,14 @@ fn gcc_and_clang_and_what_the_core_answers() {
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-    let method: Method = model.contents().default_method;
+    let method: Method = model.default_method();
     evaluator.prepare(&Query::new([0.10, 0.90], method)).unwrap();
     let length = evaluator.at(3.0).unwrap().observables().unwrap().axial_length;
     let text = said("quick_start", "again");
+    assert!(
+        text.starts_with(concat!("capsule-rom ", env!("CARGO_PKG_VERSION"), ",")),
+        "{text}"
+    );
     let printed = text
         .split("length ")
         .nth(1)
@@ -199,6 +203,115 @@ fn the_header_is_good_for_other_languages() {
             .args(&words[1..])
             .arg(&source));
     }
+}
+
+/// Runs the C++ example of a host's package, built by a compiler with some options.
+fn cpp_output(compiler: &str, options: &[&str]) -> String {
+    let package = package("CAPSULE_HOST_PACKAGE");
+    let (target, object) = (Path::new(env!("CARGO_TARGET_TMPDIR")), format!("model-{compiler}.o"));
+    let (program, object) = (target.join(format!("quick_start-{compiler}")), target.join(object));
+    run(Command::new("gcc")
+        .arg(format!("-DMODEL=\"{}\"", package.join("models/capsule.crom").display()))
+        .arg("-c")
+        .arg(package.join("examples/model.S"))
+        .arg("-o")
+        .arg(&object));
+    run(Command::new(compiler)
+        .args(["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+        .args(options)
+        .arg(format!("-I{}", package.join("include").display()))
+        .arg(package.join("examples/quick_start.cpp"))
+        .arg(object)
+        .arg(package.join(LIBRARIES[0]))
+        .arg("-o")
+        .arg(&program));
+    run(&mut Command::new(program))
+}
+
+#[test]
+fn cpp_answers_as_c_does() {
+    let text = cpp_output("g++", &["-O2"]);
+    assert_eq!(text, cpp_output("clang++", &["-O1", "-fsanitize=address,undefined"]));
+    let shape = text.lines().next().unwrap();
+    assert!(said("quick_start", "beside-cpp").contains(shape), "{text}");
+    // A refused query arrives as an exception with its figures.
+    assert!(
+        text.contains("no steady state exists") && text.contains("found 0.9"),
+        "{text}"
+    );
+}
+
+#[test]
+fn the_cpp_header_needs_no_exceptions() {
+    let include = format!("-I{}", package("CAPSULE_HOST_PACKAGE").join("include").display());
+    let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header.cpp");
+    std::fs::write(&source, "#include <capsule.hpp>\ncapsule::Workspace workspace;\n").unwrap();
+    for option in ["-fno-exceptions", "-fno-rtti"] {
+        run(Command::new("g++")
+            .args([
+                "-std=c++17",
+                "-Wall",
+                "-Wextra",
+                "-Werror",
+                "-fsyntax-only",
+                &include,
+                option,
+            ])
+            .arg(&source));
+    }
+}
+
+/// A directory in the tests' target directory, empty.
+fn empty_folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[test]
+fn build_systems_find_the_package() {
+    let package = package("CAPSULE_HOST_PACKAGE");
+    let folder = empty_folder("cmake");
+    std::fs::write(
+        folder.join("CMakeLists.txt"),
+        format!(
+            "cmake_minimum_required(VERSION 3.18)\nproject(user LANGUAGES C CXX ASM)\n\
+             find_package(capsule 0.1 REQUIRED)\n\
+             add_executable(user {0}/examples/quick_start.cpp {0}/examples/model.S)\n\
+             target_compile_definitions(user PRIVATE MODEL=\"{0}/models/capsule.crom\")\n\
+             target_link_libraries(user PRIVATE capsule::capsule)\n\
+             add_executable(direct {0}/examples/quick_start.c {0}/examples/model.S)\n\
+             target_compile_definitions(direct PRIVATE MODEL=\"{0}/models/capsule.crom\")\n\
+             target_link_libraries(direct PRIVATE capsule::direct)\n",
+            package.display()
+        ),
+    )
+    .unwrap();
+    run(Command::new("cmake")
+        .arg(format!("-DCMAKE_PREFIX_PATH={}", package.display()))
+        .arg("-S")
+        .arg(&folder)
+        .arg("-B")
+        .arg(folder.join("build")));
+    run(Command::new("cmake").arg("--build").arg(folder.join("build")));
+    let shape = run(&mut Command::new(folder.join("build/user")));
+    let shape = shape.lines().next().unwrap();
+    for program in [
+        folder.join("build/direct"),
+        on_host("gcc", &["-O2"], "quick_start", "beside-cmake"),
+    ] {
+        assert!(run(&mut Command::new(program)).contains(shape), "{shape}");
+    }
+    let flags = run(Command::new("pkg-config")
+        .env("PKG_CONFIG_PATH", package.join("lib/pkgconfig"))
+        .args(["--cflags", "--libs", "capsule"]));
+    for (option, path) in flags.split_whitespace().filter_map(|word| word.split_at_checked(2)) {
+        if option == "-I" || option == "-L" {
+            assert!(Path::new(path).is_dir(), "{flags}");
+        }
+    }
+    assert!(flags.contains("-lcapsule"), "{flags}");
 }
 
 #[test]

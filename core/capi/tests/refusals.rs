@@ -65,7 +65,7 @@ impl Fixture {
         fixture
     }
 
-    /// What the workspace holds; nothing in Miri, to which the padding between its fields is no number.
+    /// Bytes of the workspace; none in Miri, where the padding between its fields is uninitialised.
     fn words(&self) -> Option<[u64; WORKSPACE_WORDS]> {
         if cfg!(miri) { None } else { Some(self.workspace.opaque) }
     }
@@ -260,7 +260,7 @@ fn the_file_is_not_written_over() {
     };
     assert_eq!(found, [Status::Overlap; 18]);
     assert!(fixture.file == before);
-    // What is only read may lie there: the nodes of an outline, for one.
+    // Inputs may lie there: the nodes of an outline, for one.
     // SAFETY: the memory is there.
     let listed = unsafe {
         capsule_v1_positions_at(

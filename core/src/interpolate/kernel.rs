@@ -1,11 +1,13 @@
-//! Quintic kernel with a quadratic tail on the nearest samples.
+//! Quintic kernel with a quadratic tail on the nearest samples (universal kriging).
 //!
-//! The weights minimise the error's variance under the generalised covariance -r^5 and a little scatter, subject to the
-//! exact reproduction of quadratics. They are found in the null space of the constraints, where the kernel's matrix is
-//! positive definite: then single precision keeps sum L = 1 to rounding, which a stored inverse or the full indefinite
-//! system does not.
+//! The weights minimise the variance of the error under the generalised covariance -r^5 with a nugget, subject to the
+//! exact reproduction of quadratics. They are computed in the null space of the constraints, where the kernel's matrix is
+//! positive definite: so sum L = 1 holds to rounding in single precision, which neither a stored inverse nor the full
+//! indefinite system achieves.
 
-use super::{Coordinates, Search, Storage, Weights, covariance, minus, square};
+use super::search::Search;
+use super::weights::{Storage, covariance};
+use super::{Coordinates, Weights, minus, square};
 use crate::error::EvaluateError;
 use crate::linalg::{Qr, cholesky, dot_in_order, slice_or_empty, slice_or_empty_mut, symmetric_times};
 use crate::model::MatrixView;
@@ -14,37 +16,38 @@ use crate::{Parameters, Real};
 
 /// Degree of the tail.
 const DEGREE: usize = 2;
-/// Variance of the data's own scatter, in the units of the kernel at the distance of the farthest sample: what two
-/// samples closer than a tenth of that differ by is not extrapolated. Without it, samples close to each other (0.00125
-/// in Ca beside the steady limit) leave a matrix that single precision cannot solve: one answer in a hundred was wrong
-/// by up to 0.3 a.
-const SCATTER: f32 = 3e-5;
-/// The share of the squared distance of the farthest sample up to which no sample counts as more scattered than that.
+/// Nugget (variance of the data's own scatter) in units of the kernel at the distance of the farthest sample: differences
+/// between samples closer than a tenth of that distance are not extrapolated. Without it, samples close to each other
+/// (0.00125 in Ca near the steady limit) make the matrix too ill-conditioned for single precision: one answer in a
+/// hundred is wrong by up to 0.3 a.
+const NUGGET: f32 = 3e-5;
+/// Squared distance, in that of the farthest sample, up to which the nugget is constant.
 const NEAR: f32 = 0.6;
-/// Variance of the scatter that the farthest sample counts as having.
-const FAR_SCATTER: f32 = 3.0;
+/// Nugget of the farthest sample.
+const FAR_NUGGET: f32 = 3.0;
 
-/// Variance of the scatter that a sample counts as having, by the square of its distance in that of the farthest. It
-/// grows without a jump towards the farthest, whose weight it makes small: else the answer would jump where, as the
-/// query moves, one sample takes the place of another among the nearest (by up to 8 % of a beside the border of
-/// buckling).
+/// Nugget of a sample at a squared distance, in that of the farthest. It grows smoothly towards the farthest, whose weight
+/// it makes small: samples that enter or leave the stencil as the query moves have small weights. A constant nugget would
+/// make the answer jump there, by up to 8 % of a near the jump curve.
 #[inline(never)]
-fn scatter<T: Real>(square: T) -> T {
+fn nugget<T: Real>(square: T) -> T {
     let far = (square - T::from_f32(NEAR)).max(T::ZERO) / T::from_f32(1.0 - NEAR);
-    T::from_f32(SCATTER) + T::from_f32(FAR_SCATTER) * far * far * far
+    T::from_f32(NUGGET) + T::from_f32(FAR_NUGGET) * far * far * far
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
-    /// Weights of the samples at a query with as many parameters as they have, by the quintic kernel in the
-    /// coordinates. `left_out` is a sample that takes no part. `scratch` holds [`SCRATCH`](Self::SCRATCH) numbers.
+    /// Weights of the samples at a query by the quintic kernel in the coordinates. `query` has the samples' number of
+    /// parameters. `left_out` is a sample that is not used: the offline stage leaves out one sample at a time to measure
+    /// the errors; the online stage passes none. `scratch` has [`SCRATCH`](Self::SCRATCH) numbers.
     ///
-    /// Where the nearest samples lie on a surface of second degree, the monomials that they cannot tell apart are left
-    /// out of the tail. Where the query's side of the border holds fewer samples than are wanted, those of the other
-    /// side take part, and the weights reproduce a jump at the border beside the quadratics.
+    /// Where the nearest samples lie on a surface of second degree, the dependent monomials are left out of the tail.
+    /// Where the query's side of the jump curve holds too few samples, those of the other side are used too, and the
+    /// weights reproduce quadratics plus a constant jump at the curve.
     ///
     /// # Errors
-    /// [`EvaluateError::Weights`] if the samples are too close to each other to be told apart;
-    /// [`EvaluateError::BeyondExtrapolation`]; [`EvaluateError::BufferTooShort`] for the scratch.
+    /// [`EvaluateError::Weights`] if the samples are so close to each other that the system is singular;
+    /// [`EvaluateError::BeyondExtrapolation`] if the query is too far from its samples;
+    /// [`EvaluateError::BufferTooShort`] if `scratch` is.
     #[inline(never)]
     pub fn kernel(
         &mut self,
@@ -60,9 +63,9 @@ impl<T: Real, const N: usize> Weights<T, N> {
             dimensions: query.as_slice().len(),
             points: &samples.places,
             parameters: &samples.parameters,
-            query: coordinates.place(query),
+            query: coordinates.transform(query),
             scales: [T::ONE; MAX_PARAMETERS],
-            border: coordinates.border,
+            jump_curve: coordinates.jump_curve,
             side: coordinates.side(query.array()),
         };
         self.find(&search, left_out, wanted);
@@ -72,12 +75,12 @@ impl<T: Real, const N: usize> Weights<T, N> {
             self.find(&search, left_out, wanted);
         }
         self.degree = DEGREE;
-        self.scale(self.distance(self.count))?;
+        self.set_radius(self.distance(self.count))?;
         let n = self.count;
         let Storage { columns, matrix } = Storage::<T, N>::new(scratch)?;
         let mut count = self.monomials(columns).len();
         if let Some(column) = columns.get_mut(count).filter(|_| crosses) {
-            self.beyond(coordinates, &samples.parameters, query, column);
+            self.indicate_jump(coordinates, &samples.parameters, query, column);
             count += 1;
         }
         let qr = Qr::new(n, slice_or_empty_mut(columns, 0..count));
@@ -88,15 +91,15 @@ impl<T: Real, const N: usize> Weights<T, N> {
                 *value = covariance(DEGREE, square(minus(*a, *b)));
             }
             if let Some(diagonal) = row.get_mut(i) {
-                *diagonal = scatter(square(*a));
+                *diagonal = nugget(square(*a));
             }
         }
 
-        // L = x + Q y: x meets the constraints, y is free where they leave it so.
+        // L = x + Q y: x is the least-norm solution of the constraints, y lies in their null space.
         let x = qr.first();
         let mut right = [T::ZERO; N];
         symmetric_times(matrix, &x, &mut right);
-        // With s the covariances with the query, -2 L^T s + L^T S L comes to -x^T (2 s - S x) - y^T Q^T (s - S x).
+        // With s the covariances with the query, L^T S L - 2 L^T s = -x^T (2 s - S x) - y^T Q^T (s - S x).
         let mut variance = T::ZERO;
         for ((right, offset), x) in right.iter_mut().zip(offsets).zip(&x) {
             let to_query = covariance(DEGREE, square(*offset));
@@ -114,23 +117,30 @@ impl<T: Real, const N: usize> Weights<T, N> {
             *weight = *x + *y;
         }
         self.normalise()?;
-        // What the scatter adds is not the kernel's.
+        // The deviation is that of the kernel, without the nugget's share.
         let weighted = self.values.iter().zip(slice_or_empty(&self.offsets, 0..n));
-        let scattered = weighted.fold(T::ZERO, |sum, (weight, offset)| {
-            sum + scatter(square(*offset)) * *weight * *weight
+        let of_nugget = weighted.fold(T::ZERO, |sum, (weight, offset)| {
+            sum + nugget(square(*offset)) * *weight * *weight
         });
-        self.variance = -variance - scattered;
+        self.variance = -variance - of_nugget;
         Ok(())
     }
 
-    /// 1 at the samples beyond the border, else 0: what the data jump by there. The query is on its own side.
-    fn beyond(&self, coordinates: &Coordinates<'_>, samples: &Matrix<'_>, query: &Parameters<T>, column: &mut [T; N]) {
+    /// column <- 1 at the samples beyond the jump curve, else 0: the constraint on this column makes the weights reproduce
+    /// a constant jump.
+    fn indicate_jump(
+        &self,
+        coordinates: &Coordinates<'_>,
+        samples: &Matrix<'_>,
+        query: &Parameters<T>,
+        column: &mut [T; N],
+    ) {
         let samples = MatrixView::new(samples);
         column.fill(T::ZERO);
         for (entry, sample) in column.iter_mut().zip(slice_or_empty(&self.samples, 0..self.count)) {
             let parameter = |d| T::from_f32(samples.get((*sample).into(), d));
-            let apart = coordinates.apart(query.array(), [parameter(0), parameter(1)]);
-            *entry = if apart { T::ONE } else { T::ZERO };
+            let separated = coordinates.separated(query.array(), [parameter(0), parameter(1)]);
+            *entry = if separated { T::ONE } else { T::ZERO };
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::{add_scaled, dot_in_order, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
 
-/// Solves the trailing block, from row and column `first` on, of a symmetric matrix for the same entries of `b`, in
-/// place. Directions in which the block is not positive beyond rounding get no part in the solution.
+/// Solves the system of the trailing block (rows and columns from `first` on) of a symmetric matrix for the same entries
+/// of `b`, in place. A pivot that is not positive beyond rounding sets its component of the solution to 0.
 pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize, b: &mut [T; N]) {
     let n = matrix.len().min(N);
     let mut largest = T::ZERO;
@@ -47,12 +47,12 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
     }
 }
 
-/// Entry `i` of a row that has it.
+/// Entry `i` of a row, 0 beyond its end.
 fn entry<T: Real>(row: &[T], i: usize) -> T {
     row.get(i).copied().unwrap_or(T::ZERO)
 }
 
-/// a / pivot, or 0 for a pivot that was left out.
+/// a / pivot, or 0 for a pivot of 0.
 fn quotient<T: Real>(a: T, pivot: T) -> T {
     if pivot > T::ZERO { a / pivot } else { T::ZERO }
 }
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn a_singular_direction_gets_no_part() {
+    fn a_singular_direction_gets_the_component_0() {
         let mut matrix = [[1.0_f32; 2]; 2];
         let mut b = [2.0, 2.0];
         solve(&mut matrix, 0, &mut b);

@@ -1,19 +1,19 @@
 //! Singular values and vectors by one-sided Jacobi rotations (Hestenes 1958; de Rijk 1989).
 
-use super::{dot, slice_or_empty, slice_or_empty_mut};
+use super::{add_scaled, dot, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
 
 /// Graded matrices in single precision needed at most 12.
 const MAX_SWEEPS: usize = 20;
 
 /// Rotations of rows (their first `columns` entries) until they are orthogonal: row i becomes sigma_i v_i^T with the
-/// right singular vectors v_i, unordered. What still couples after the last sweep stays below what was there before.
-/// One row at a time, so that the work can be interrupted.
+/// right singular vectors v_i, unordered. Every rotation reduces the sum of the squared products of rows, so a matrix
+/// that needs more than the last sweep is still closer to orthogonal. One row at a time, so that the caller can pause.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rotations<T> {
-    /// Rows whose square is below are rounding of the largest.
+    /// Rows with a smaller squared norm are rounding errors of the longest.
     floor: T,
-    /// Rotations that move no row farther than the root of this are left out.
+    /// Square of the distance; rotations that move no row farther are skipped.
     negligible: T,
     sweep: usize,
     row: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Rotations<T> {
 }
 
 impl<T: Real> Rotations<T> {
-    /// Nothing is rotated yet. Rotations that move rows by no more than a share of the longest are `negligible`.
+    /// Starts the first sweep. Rotations that move rows by no more than `negligible` times the longest norm are skipped.
     pub(crate) fn new<const K: usize>(rows: &[[T; K]], columns: usize, negligible: T) -> Self {
         let largest = rows.iter().map(|row| square(row, columns)).fold(T::ZERO, T::max);
         Self {
@@ -33,7 +33,7 @@ impl<T: Real> Rotations<T> {
         }
     }
 
-    /// Rotates the next row against all above it. Returns false when there is nothing left to do.
+    /// Rotates the next row against all above it. Returns false when all rows are orthogonal.
     #[inline(never)]
     pub(crate) fn advance<const K: usize>(&mut self, rows: &mut [[T; K]], columns: usize) -> bool {
         if self.row >= rows.len() {
@@ -54,7 +54,7 @@ impl<T: Real> Rotations<T> {
         true
     }
 
-    /// Makes two rows orthogonal; returns whether they were not. Keeps the square of the second.
+    /// Makes two rows orthogonal and updates the squared norm of the second; returns false if they already were.
     fn rotate<const K: usize>(&self, x: &mut [T; K], y: &mut [T; K], square: &mut T, columns: usize) -> bool {
         let (x, y) = (slice_or_empty_mut(x, 0..columns), slice_or_empty_mut(y, 0..columns));
         let (a, b) = (dot(x, x), *square);
@@ -62,8 +62,8 @@ impl<T: Real> Rotations<T> {
             return false;
         }
         let product = dot(x, y);
-        // The longer row moves by |product| divided by its length. Divided here too: squares of products could
-        // underflow.
+        // The longer row moves by |product| / length. The division comes before the second product, because squares
+        // of products could underflow.
         let (rounding, larger) = (T::EPSILON * T::from_f32(4.0), a.max(b));
         let negligible = (rounding * rounding * a.min(b)).max(self.negligible);
         if product * (product / larger) <= negligible {
@@ -82,6 +82,31 @@ impl<T: Real> Rotations<T> {
     }
 }
 
+/// Moves the direction of the longest of nearly orthogonal rows to `out` (a unit vector) and projects it out of all
+/// rows, which removes what the skipped rotations left. Returns the length.
+#[inline(never)]
+pub(crate) fn deflate<T: Real, const K: usize>(rows: &mut [[T; K]], out: &mut [T]) -> Option<T> {
+    let mut longest = None;
+    let mut greatest = T::ZERO;
+    for row in rows.iter() {
+        let row = slice_or_empty(row, 0..out.len());
+        let square = dot(row, row);
+        if square > greatest {
+            (longest, greatest) = (Some(row), square);
+        }
+    }
+    let length = greatest.sqrt();
+    for (out, entry) in out.iter_mut().zip(longest?) {
+        *out = *entry / length;
+    }
+    for row in rows {
+        let row = slice_or_empty_mut(row, 0..out.len());
+        let component = dot(row, out);
+        add_scaled(row, -component, out);
+    }
+    Some(length)
+}
+
 fn square<T: Real, const K: usize>(row: &[T; K], columns: usize) -> T {
     dot(slice_or_empty(row, 0..columns), slice_or_empty(row, 0..columns))
 }
@@ -95,8 +120,8 @@ mod tests {
         while rotations.advance(rows, columns) {}
     }
 
-    /// Eigenvalues of a symmetric matrix as roots of Sturm counts of its LDL^T: an independent way to the squares of
-    /// the singular values.
+    /// Number of eigenvalues of a symmetric matrix below a shift, by the signs of its LDL^T (Sylvester's law of
+    /// inertia): an independent way to the squared singular values.
     fn count_below(gram: &[[f64; 6]; 6], shift: f64) -> usize {
         let mut m = *gram;
         (0..6).for_each(|i| m[i][i] -= shift);

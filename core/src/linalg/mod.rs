@@ -1,34 +1,44 @@
-//! Small dense kernels with a fixed order of accumulation, so that every target rounds alike.
+//! Small dense linear algebra with a fixed order of sums, so that every target computes the same bits.
+//!
+//! `qr` and `cholesky` solve the interpolation's systems; `lq`, `givens` and `jacobi` are the singular value
+//! decomposition of the paper's method; `ldl` is its fit of three unknowns; `gram_schmidt` fits the stencils of the
+//! mechanics. `products` multiplies quantised matrices. Vector operations are below.
 
 pub(crate) mod cholesky;
+pub(crate) mod givens;
+pub(crate) mod gram_schmidt;
 pub(crate) mod jacobi;
+pub(crate) mod ldl;
+pub(crate) mod lq;
 mod products;
 mod qr;
+mod real;
 mod vectors;
 
-pub(crate) use products::{Block, IN_PAIRS, multiply, multiply_singles};
+pub use products::ProductScalar;
+pub(crate) use products::{Block, TWO_PANELS};
 pub(crate) use qr::{MAX_COLUMNS, Qr, symmetric_times};
+pub use real::Real;
 pub(crate) use vectors::in_vectors;
 
-use crate::Real;
 use core::ops::Range;
 
-/// Numbers that are added side by side.
-pub(crate) const LANES: usize = 8;
+/// Numbers that are added side by side: rows of a panel.
+pub const LANES: usize = 8;
 
-/// The entries in a range; none where the slice does not hold it. What the kernels work on is sized by validation, so
-/// the range is always there, but the compiler cannot know; this way no panic is linked.
+/// The entries in a range; none where the slice does not hold it. Validation sizes the slices, so the range is always
+/// there, but the compiler cannot know it: this way no panic is linked.
 pub(crate) fn slice_or_empty<T>(x: &[T], range: Range<usize>) -> &[T] {
     x.get(range).unwrap_or_default()
 }
 
-/// As [`part`], to write to.
+/// As [`slice_or_empty`], to write to.
 pub(crate) fn slice_or_empty_mut<T>(x: &mut [T], range: Range<usize>) -> &mut [T] {
     x.get_mut(range).unwrap_or_default()
 }
 
-/// Dot product of two vectors. Entry i goes to lane i mod 8 and the lanes are added in pairs: wide enough to vectorise,
-/// and the same sum whatever the target's vectors are, and however many zeros follow.
+/// Dot product of two vectors. Entry i is added to lane i mod 8 and the lanes are added in pairs: wide enough to
+/// vectorise, and the same sum for every vector width and every number of trailing zeros.
 pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     let mut lanes = [T::ZERO; LANES];
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
@@ -36,7 +46,7 @@ pub(crate) fn dot<T: Real>(a: &[T], x: &[T]) -> T {
     for (a, x) in a_chunks.iter().zip(x_chunks) {
         lanes = add_products(lanes, *a, *x);
     }
-    // A copy, so that the loop above has its lanes in registers.
+    // A copy, so that the compiler keeps the lanes of the loop above in registers.
     let mut sums = lanes;
     for (sum, (a, x)) in sums.iter_mut().zip(a_rest.iter().zip(x_rest)) {
         *sum += *a * *x;
@@ -63,7 +73,7 @@ fn add_products<T: Real>(lanes: [T; LANES], a: [T; LANES], x: [T; LANES]) -> [T;
     ]
 }
 
-/// Dot product of two short vectors, in order: lanes pay for themselves from a few dozen entries on.
+/// Dot product of two short vectors, in order: lanes are faster from a few dozen entries on.
 pub(crate) fn dot_in_order<T: Real>(a: &[T], x: &[T]) -> T {
     a.iter().zip(x).fold(T::ZERO, |sum, (a, x)| sum + *a * *x)
 }

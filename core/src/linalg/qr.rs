@@ -1,4 +1,4 @@
-//! Householder QR of a tall matrix with few columns, which leaves out columns that depend on those before.
+//! Householder QR of a tall matrix with few columns. Columns that depend on those before them are left out.
 
 use super::{add_scaled, dot_in_order, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
@@ -6,24 +6,22 @@ use crate::Real;
 /// A column whose part outside the columns before it is less than this share of its length is left out.
 const DEPENDENT: f32 = 1e-5;
 
-/// The most columns.
+/// Maximum number of columns.
 pub(crate) const MAX_COLUMNS: usize = 15;
 
-/// Q and R of columns, in the place of these. Columns and vectors have `N` entries, of which the first `rows` take
-/// part.
+/// Q and R of columns, stored in their place. Columns and vectors have `N` entries, of which the first `rows` count.
 #[derive(Debug)]
 pub(crate) struct Qr<'s, T, const N: usize> {
     rows: usize,
     rank: usize,
-    /// Of column k, the k-th kept, the entries before k are those of R, the others those of v in the reflector I - v
-    /// v^T.
+    /// Kept column k holds the entries of R before row k, then the vector v of the reflector I - v v^T.
     columns: &'s mut [[T; N]],
-    /// Of R.
+    /// Diagonal of R.
     diagonals: [T; MAX_COLUMNS],
 }
 
 impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
-    /// Factors at most [`MAX_COLUMNS`] columns.
+    /// QuantizedRef at most [`MAX_COLUMNS`] columns.
     pub(crate) fn new(rows: usize, columns: &'s mut [[T; N]]) -> Self {
         let mut qr = Self {
             rows,
@@ -44,7 +42,7 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
             for (k, reflector) in done.iter().enumerate() {
                 reflect(slice_or_empty(reflector, k..rows), slice_or_empty_mut(column, k..rows));
             }
-            // The first `rank` entries belong to R, the rest is to be reflected onto the next.
+            // The first `rank` entries belong to R; the reflector maps the others onto the next entry.
             let column = slice_or_empty_mut(column, rank..rows);
             let norm = dot_in_order(column, column).sqrt();
             let (true, Some(head)) = (norm > length * T::from_f32(DEPENDENT), column.first_mut()) else {
@@ -56,7 +54,7 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
             for value in column {
                 *value *= share;
             }
-            // One by one: what moves memory that may overlap is a kilobyte and a half of code.
+            // Swapped entry by entry: a copy of the column would link `memmove`, 1.5 kB of code on a Cortex-M.
             if let Some((place, rest)) = open.split_first_mut()
                 && let Some(kept) = (index - rank).checked_sub(1).and_then(|gap| rest.get_mut(gap))
             {
@@ -91,7 +89,7 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
         }
     }
 
-    /// The shortest x whose product with column 0 is 1 and with the other columns kept 0: Q R^-T e_0.
+    /// The x of least norm whose product with column 0 is 1 and with the other kept columns 0: Q R^-T e_0.
     pub(crate) fn first(&self) -> [T; N] {
         let mut x = [T::ZERO; N];
         let columns = slice_or_empty(self.columns, 0..self.rank).iter().zip(&self.diagonals);
@@ -104,10 +102,10 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
         x
     }
 
-    /// S <- Q^T S Q of a symmetric matrix of as many rows as the columns have, of which only the lower half is read.
-    /// Only the lower half of what belongs to the null space of the columns is right afterwards: rows and columns from
-    /// the rank on. With p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T - w v^T; where the
-    /// next reflector acts, its p is summed on the way.
+    /// S <- Q^T S Q of a symmetric matrix of as many rows as the columns have. Reads its lower half, and computes the
+    /// lower half of the block that belongs to the null space of the columns (rows and columns from the rank on); other
+    /// entries are left undefined. With p = S v and w = p - (p^T v / 2) v, (I - v v^T) S (I - v v^T) = S - v w^T -
+    /// w v^T; the same pass sums p of the next reflector.
     #[inline(never)]
     pub(crate) fn conjugate(&self, matrix: &mut [[T; N]]) {
         let mut entries = [Entry {
@@ -171,12 +169,12 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
     }
 }
 
-/// What an entry of the vectors of a conjugation's step is: side by side they cost a Cortex-M one load.
+/// Entries of the vectors of one conjugation step, interleaved: a Cortex-M loads them with one instruction.
 #[derive(Clone, Copy)]
 struct Entry<T> {
     v: T,
     w: T,
-    /// Of the next reflector, and its product with the matrix.
+    /// Entry of the next reflector, and of its product with the matrix.
     next: T,
     product: T,
 }
@@ -187,7 +185,7 @@ fn reflect<T: Real>(v: &[T], x: &mut [T]) {
     add_scaled(x, -share, v);
 }
 
-/// out <- out + S x of a symmetric matrix, of which only the lower half is read.
+/// out <- out + S x of a symmetric matrix, of which the lower half is read.
 pub(crate) fn symmetric_times<T: Real, const N: usize>(matrix: &[[T; N]], x: &[T; N], out: &mut [T; N]) {
     for (i, (row, x_i)) in matrix.iter().zip(x).enumerate() {
         let mut own = T::ZERO;

@@ -1,9 +1,11 @@
-//! What the membrane does at a node: stretches, tensions, energy and load of the neo-Hookean sheet.
+//! Local mechanics at a node: stretches, tensions, energy and load of the neo-Hookean membrane.
 
-use super::{determinant, metric, plus};
+use super::{determinant, metric};
 use crate::Real;
 use crate::error::{EvaluateError, finite};
+use crate::linalg::dot;
 use crate::model::apply;
+use nalgebra::Vector3;
 
 /// Derivatives of the current position at a node by the arc lengths along two orthogonal directions of the stress-free
 /// sphere, from which all local quantities follow. Tensions and energies are in G_s.
@@ -16,15 +18,16 @@ pub struct Deformation<T> {
 }
 
 impl<T: Real> Deformation<T> {
-    /// No deformation known: to fill buffers with.
+    /// Zeros, to initialise buffers.
     pub const ZERO: Self = Self {
         first: [[T::ZERO; 3]; 2],
         second: [[T::ZERO; 3]; 3],
     };
 
-    /// The deformation at a node that this one represents, see [`Mesh::origin`](crate::model::Mesh::origin).
+    /// The deformation at the image of the node under a symmetry operation, see
+    /// [`Mesh::origin`](crate::model::Mesh::origin).
     #[must_use]
-    pub fn carried(&self, operation: u8) -> Self {
+    pub fn transformed(&self, operation: u8) -> Self {
         Self {
             first: self.first.map(|vector| apply(operation, vector)),
             second: self.second.map(|vector| apply(operation, vector)),
@@ -42,29 +45,24 @@ impl<T: Real> Deformation<T> {
         [greatest.sqrt(), (determinant(metric(&self.first)) / greatest).sqrt()]
     }
 
-    /// Unit vectors along the principal directions, tangent to the current surface: of lambda_1, and of lambda_2. Any
-    /// two where the stretch is isotropic.
+    /// Unit vectors along the principal directions of lambda_1 and lambda_2, tangent to the current surface. Two arbitrary
+    /// orthogonal directions where the stretch is isotropic.
     pub fn directions(&self) -> [[T; 3]; 2] {
         let [m11, m22, m12] = metric(&self.first);
         let half = (m11 - m22) / T::from_f32(2.0);
         let root = (half * half + m12 * m12).sqrt();
-        // An eigenvector of the metric, by the row that does not cancel.
+        // An eigenvector of the metric, by the row without cancellation.
         let (c, s) = if half < T::ZERO {
             (m12, root - half)
         } else {
             (half + root, m12)
         };
         let (c, s) = if root > T::ZERO { (c, s) } else { (T::ONE, T::ZERO) };
-        let [first, second] = self.first;
-        let unit = |vector: [T; 3]| {
-            let length = crate::linalg::dot(&vector, &vector).sqrt();
-            vector.map(|component| component / length)
-        };
-        let zero = [T::ZERO; 3];
-        [
-            unit(plus(plus(zero, c, first), s, second)),
-            unit(plus(plus(zero, c, second), -s, first)),
-        ]
+        let [first, second] = self.first.map(Vector3::from);
+        let unit = |vector: Vector3<T>| (vector / dot(vector.as_slice(), vector.as_slice()).sqrt()).into();
+        // Sums start at 0, so that no component is -0.
+        let zero = Vector3::from([T::ZERO; 3]);
+        [unit(zero + first * c + second * s), unit(zero + second * c - first * s)]
     }
 
     /// Principal tensions T_1 >= T_2 in G_s: T_1 = (lambda_1^2 - (lambda_1 lambda_2)^-2) / (lambda_1 lambda_2).
@@ -80,20 +78,20 @@ impl<T: Real> Deformation<T> {
         energy_density(metric[0] + metric[1], determinant(metric))
     }
 
-    /// Load of the fluid on the membrane per current area (the jump of traction, the paper's eq. 8) in mu V / l, minus
+    /// Load q of the fluid on the membrane per current area, in mu V / l: the jump of traction of eq. (8), which is minus
     /// the surface divergence of the tension over `capillary_number`.
     ///
     /// # Errors
     /// [`EvaluateError::NotFinite`].
     pub fn load(&self, capillary_number: T) -> Result<[T; 3], EvaluateError> {
         let two = T::from_f32(2.0);
-        let ([x1, x2], [x11, x12, x22]) = (&self.first, &self.second);
+        let ([x1, x2], [x11, x12, x22]) = (self.first.map(Vector3::from), self.second.map(Vector3::from));
         let metric = metric(&self.first);
         let square = determinant(metric);
         let [s11, s22, s12] = stress(metric);
-        let product = |a: &[T; 3], b: &[T; 3]| crate::linalg::dot(a, b);
-        // Derivatives of the metric, and of the stress along its first index. Those of the stress-free metric vanish in
-        // the coordinates of a stencil.
+        let product = |a: Vector3<T>, b: Vector3<T>| dot(a.as_slice(), b.as_slice());
+        // Derivatives of the metric, and of the stress along its first index. Derivatives of the stress-free metric are 0
+        // in the coordinates of a stencil.
         let along_1 = [
             two * product(x11, x1),
             two * product(x12, x2),
@@ -107,20 +105,13 @@ impl<T: Real> Deformation<T> {
         let [ds11, _, ds12] = stress_rate(metric, square, along_1);
         let [_, ds22, ds21] = stress_rate(metric, square, along_2);
         // -div (S^ab x_,b) = -(S^ab_,a x_,b + S^ab x_,ab) per stress-free area.
-        let mut sum = [T::ZERO; 3];
-        for (factor, vector) in [
-            (ds11 + ds21, x1),
-            (ds12 + ds22, x2),
-            (s11, x11),
-            (s22, x22),
-            (two * s12, x12),
-        ] {
-            sum = plus(sum, factor, *vector);
-        }
+        let zero = Vector3::from([T::ZERO; 3]);
+        let sum = zero + x1 * (ds11 + ds21) + x2 * (ds12 + ds22) + x11 * s11 + x22 * s22 + x12 * (two * s12);
         let scale = -T::ONE / (square.sqrt() * capillary_number);
-        finite(sum.map(|component| scale * component))
+        finite((sum * scale).into())
     }
 
+    /// lambda_1^2, the greater eigenvalue of the metric.
     fn greatest_squared(&self) -> T {
         let two = T::from_f32(2.0);
         let [m11, m22, m12] = metric(&self.first);
@@ -134,7 +125,7 @@ pub(super) fn energy_density<T: Real>(trace: T, determinant: T) -> T {
     T::from_f32(0.5) * (trace + T::ONE / determinant - T::from_f32(3.0))
 }
 
-/// Second Piola-Kirchhoff tension S = I - C^-1 / det C (the paper's eq. 9 in the stress-free state): 11, 22, 12.
+/// Second Piola-Kirchhoff tension S = I - C^-1 / det C (eq. (9), referred to the stress-free state): components 11, 22, 12.
 fn stress<T: Real>(metric: [T; 3]) -> [T; 3] {
     let [m11, m22, m12] = metric;
     let square = determinant(metric);
@@ -142,7 +133,7 @@ fn stress<T: Real>(metric: [T; 3]) -> [T; 3] {
     [T::ONE - scale * m22, T::ONE - scale * m11, scale * m12]
 }
 
-/// The derivative of [`stress`] where that of the metric is `rate`.
+/// Derivative of [`stress`] for the derivative `rate` of the metric.
 fn stress_rate<T: Real>(metric: [T; 3], square: T, rate: [T; 3]) -> [T; 3] {
     let two = T::from_f32(2.0);
     let [m11, m22, m12] = metric;
@@ -161,10 +152,10 @@ mod tests {
     use super::*;
 
     fn stretched(lambda: [f64; 2]) -> Deformation<f64> {
-        // Stretches along directions at 30 degrees to the reference's, turned in space.
+        // Principal directions at 30 degrees to those of the reference, rotated in space.
         let (s, c) = (0.5, 0.75_f64.sqrt());
-        let [along, across] = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]];
-        let first = [[c, s], [-s, c]].map(|[a, b]| plus(plus([0.0; 3], a * lambda[0], along), b * lambda[1], across));
+        let [along, across] = [[0.6, 0.0, 0.8], [0.0, 1.0, 0.0]].map(Vector3::from);
+        let first = [[c, s], [-s, c]].map(|[a, b]| (along * (a * lambda[0]) + across * (b * lambda[1])).into());
         Deformation {
             first,
             second: [[0.0; 3]; 3],
@@ -180,7 +171,7 @@ mod tests {
         let [along, across] = deformation.directions();
         assert!((along[0] * 0.6 + along[2] * 0.8).abs() > 1.0 - 1e-14);
         assert!(across[1].abs() > 1.0 - 1e-14);
-        // The stretch that is the greater comes first, wherever it lies.
+        // The greater stretch comes first.
         let [along, _] = stretched([0.8, 1.4]).directions();
         assert!(along[1].abs() > 1.0 - 1e-14);
     }

@@ -1,4 +1,4 @@
-//! The whole membrane at an instant.
+//! The membrane at an instant, and integrals over it.
 
 use super::deformation::energy_density;
 use super::poiseuille::undisturbed_velocity;
@@ -65,7 +65,7 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
             let [r11, r22, r12] = metric(&[[a1, b1, c1], [a2, b2, c2]]);
             let (current, square) = (determinant([m11, m22, m12]), determinant([r11, r22, r12]));
             let trace = (r22 * m11 + r11 * m22 - T::from_f32(2.0) * r12 * m12) / square;
-            // The tension's virtual power S^ab x_,a . v_,b per stress-free area, v being axial.
+            // Virtual power of the tension, S^ab x_,a . v_,b per stress-free area; v is axial.
             let pull = square / (current * current);
             let s11 = r22 / square - pull * m22;
             let s22 = r11 / square - pull * m11;
@@ -83,6 +83,7 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
         })
     }
 
+    /// Current position of a node.
     fn position(&self, node: usize) -> Result<[T; 3], EvaluateError> {
         let unknown = EvaluateError::UnknownNode {
             node,
@@ -93,7 +94,7 @@ impl<'a, 's, T: Real> Membrane<'a, 's, T> {
         Ok(apply(operation, *position))
     }
 
-    /// The node in the stress-free state.
+    /// Position of a node in the stress-free state.
     fn reference(&self, node: usize) -> Result<[T; 3], EvaluateError> {
         let unknown = EvaluateError::UnknownNode {
             node,

@@ -1,4 +1,4 @@
-//! The undisturbed flow in the duct.
+//! The undisturbed flow in the channel.
 
 use crate::Real;
 
@@ -22,8 +22,8 @@ const COEFFICIENTS: [f64; 11] = [
 
 /// Axial velocity of the undisturbed flow at (y, z), in V: `G/4 (2 - y^2 - z^2) + sum c_k Re (y + iz)^4k`.
 ///
-/// The sum is the harmonic function that makes it vanish on the walls; its powers of four have the square's symmetry.
-/// Good to 1e-8 where y^2 + z^2 < 1 and to 1e-5 at y = z = 0.9.
+/// The sum is the harmonic function that makes the velocity vanish on the walls; powers 4k have the symmetry of the square.
+/// Its error is below 1e-8 where y^2 + z^2 < 1, and 1e-5 at y = z = 0.9.
 pub(super) fn undisturbed_velocity<T: Real>(y: T, z: T) -> T {
     let two = T::from_f32(2.0);
     let (square, product) = (y * y - z * z, two * y * z);
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn agrees_with_the_cosine_series() {
-        // The paper's eq. 3 on the duct of side 2 l, summed to convergence.
+        // Eq. (3) of the paper for the channel of side 2 l, summed to convergence.
         for (y, z, exact, tolerance) in [
             (0.0, 0.0, 2.096_256_014_68, 1e-8),
             (0.25, 0.0, 1.983_840_16, 1e-7),

@@ -1,28 +1,27 @@
-//! Derivatives on the stress-free sphere from the nodes around one.
+//! Derivatives on the stress-free sphere from the nodes around a node.
 
-use super::{Deformation, plus};
+use super::Deformation;
 use crate::Real;
 use crate::error::{EvaluateError, finite};
-use crate::interpolate::neighbours::Nearest;
-use crate::linalg::{add_scaled, dot};
+use crate::linalg::{dot, gram_schmidt};
 use crate::model::Mesh;
+use crate::nearest::Nearest;
+use nalgebra::Vector3;
 
-/// Nodes that take part, beside the stencil's own.
+/// Number of nodes of a stencil besides its own.
 const NEIGHBOURS: usize = 24;
 /// Monomials of degree 1 to 4 in two coordinates.
 const MONOMIALS: usize = 14;
-/// The last of them, whose coefficients are wanted: u, v, u^2/2, u v, v^2/2.
+/// Last monomials, whose coefficients are the derivatives: u, v, u^2/2, u v, v^2/2.
 const DERIVATIVES: usize = 5;
-/// A monomial whose part outside those before it is less than this share of its length is not determined.
-const DEPENDENT: f32 = 1e-3;
 
-/// Weights of the first and second derivatives at a node, by the polynomial of degree four that fits the nearest nodes
-/// best. Third-order accurate in the second derivatives at least, whatever the mesh, where the derivatives of the
-/// elements' quadratics oscillate from node to node. Shapes that turn within five spacings of the nodes are beyond it:
-/// at a sharp rim the load is a tenth to a half off, stretches and tensions much less.
+/// Weights of the first and second derivatives at a node, by a weighted least-squares fit of a polynomial of degree four to
+/// the nearest nodes. Second derivatives are at least third-order accurate on any mesh, whereas the derivatives of the
+/// elements' quadratics oscillate from node to node. Shapes that turn within five spacings of the nodes are not resolved:
+/// at a sharp rim the error of the load is 10 to 50 %, that of stretches and tensions much less.
 ///
 /// The coordinates are those of the stereographic projection from the opposite point of the sphere: at the node their
-/// metric is that of the plane, and stationary.
+/// metric is the identity, and its derivatives are 0.
 #[derive(Clone, Debug)]
 pub struct Stencil<T> {
     node: u32,
@@ -53,7 +52,7 @@ impl<T: Real> Stencil<T> {
         };
         let centre = nodes.clone().nth(node).ok_or_else(unknown)?;
         let axes = tangents(centre);
-        // The last has no weight: it only says how far the stencil reaches.
+        // The last one has the weight 0: its distance is the radius of the stencil.
         let mut nearest = Nearest::<T, 2, { NEIGHBOURS + 1 }>::new(NEIGHBOURS + 1);
         for (number, point) in nodes.enumerate().filter(|(number, _)| *number != node) {
             let offset = projection(centre, &axes, point);
@@ -69,7 +68,7 @@ impl<T: Real> Stencil<T> {
             *number = neighbour.number.into();
             *scaled = offset.map(|x| x / radius);
         }
-        // The nearest count most: the cube halves the error at rims, which are as narrow as the stencil.
+        // Weights that decrease with the distance. The cube halves the error at rims, which are as narrow as the stencil.
         let factors = scaled.map(|offset| {
             let factor = T::ONE - dot(&offset, &offset);
             factor * factor * factor
@@ -80,7 +79,7 @@ impl<T: Real> Stencil<T> {
                 *value *= *factor;
             }
         }
-        let mut weights = solve(&mut columns).ok_or(few)?;
+        let mut weights: [_; DERIVATIVES] = gram_schmidt::last_coefficients(&mut columns).ok_or(few)?;
         for (derivative, weights) in weights.iter_mut().enumerate() {
             let scale = if derivative < 2 { radius } else { radius * radius };
             for (weight, factor) in weights.iter_mut().zip(&factors) {
@@ -108,24 +107,24 @@ impl<T: Real> Stencil<T> {
         radius: T,
         position: impl Fn(usize) -> Result<[T; 3], EvaluateError>,
     ) -> Result<Deformation<T>, EvaluateError> {
-        let centre = position(self.node())?;
-        let mut sums = [[T::ZERO; 3]; DERIVATIVES];
+        let centre = Vector3::from(position(self.node())?);
+        let mut sums = [Vector3::from([T::ZERO; 3]); DERIVATIVES];
         for (j, neighbour) in self.neighbours.iter().enumerate() {
-            let offset = plus(position(*neighbour as usize)?, -T::ONE, centre);
+            let offset = Vector3::from(position(*neighbour as usize)?) - centre;
             for (sum, weights) in sums.iter_mut().zip(&self.weights) {
-                *sum = plus(*sum, weights[j], offset);
+                *sum += offset * weights[j];
             }
         }
         let square = radius * radius;
         let [x1, x2, x11, x12, x22] = sums;
         let deformation = Deformation {
-            first: [x1, x2].map(|vector| vector.map(|x| x / radius)),
-            second: [x11, x12, x22].map(|vector| vector.map(|x| x / square)),
+            first: [x1, x2].map(|vector| (vector / radius).into()),
+            second: [x11, x12, x22].map(|vector| (vector / square).into()),
         };
         for derivative in deformation.second {
             finite(derivative)?;
         }
-        // With it the metric is finite, and so are stretches, tensions and energy.
+        // A finite dilation implies a finite metric, stretches, tensions and energy.
         let [dilation] = finite([deformation.area_dilation()])?;
         if dilation > T::from_f32(MIN_AREA_DILATION) {
             Ok(deformation)
@@ -135,20 +134,20 @@ impl<T: Real> Stencil<T> {
     }
 }
 
-/// Below it there is no surface, and its square's square could vanish in single precision.
+/// Least area dilation of a surface; the fourth power of a smaller one could underflow in single precision.
 const MIN_AREA_DILATION: f32 = 1e-3;
 
-/// Distance in the projection that no node within 120 degrees has.
+/// Distance in the projection beyond that of all nodes within 120 degrees.
 const FAR: f32 = 4.0;
 
-/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; those beyond 120
-/// degrees are out of reach.
+/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; points beyond 120 degrees are
+/// mapped to the distance [`FAR`].
 fn projection<T: Real>(centre: [T; 3], axes: &[[T; 3]; 2], point: [T; 3]) -> [T; 2] {
-    let chord = plus(point, -T::ONE, centre);
-    let square = dot(&chord, &chord);
+    let chord = Vector3::from(point) - Vector3::from(centre);
+    let square = dot(chord.as_slice(), chord.as_slice());
     if square < T::from_f32(3.0) {
         let scale = T::ONE / (T::ONE - square * T::from_f32(0.25));
-        [0, 1].map(|axis| scale * dot(&chord, &axes[axis]))
+        [0, 1].map(|axis| scale * dot(chord.as_slice(), &axes[axis]))
     } else {
         [T::from_f32(FAR), T::ZERO]
     }
@@ -157,7 +156,7 @@ fn projection<T: Real>(centre: [T; 3], axes: &[[T; 3]; 2], point: [T; 3]) -> [T;
 /// Two orthogonal unit vectors across a unit vector, right-handed with it.
 fn tangents<T: Real>(normal: [T; 3]) -> [[T; 3]; 2] {
     let [x, y, z] = normal;
-    // Along the coordinate axis that is farthest from the normal.
+    // The coordinate axis at the greatest angle to the normal.
     let axis = if x.abs() <= y.abs() && x.abs() <= z.abs() {
         [T::ONE, T::ZERO, T::ZERO]
     } else if y.abs() <= z.abs() {
@@ -165,13 +164,13 @@ fn tangents<T: Real>(normal: [T; 3]) -> [[T; 3]; 2] {
     } else {
         [T::ZERO, T::ZERO, T::ONE]
     };
-    let first = plus(axis, -dot(&axis, &normal), normal);
-    let length = dot(&first, &first).sqrt();
-    let [a, b, c] = first.map(|component| component / length);
-    [[a, b, c], [y * c - z * b, z * a - x * c, x * b - y * a]]
+    let normal = Vector3::from(normal);
+    let first = Vector3::from(axis) - normal * dot(&axis, normal.as_slice());
+    let first = first / dot(first.as_slice(), first.as_slice()).sqrt();
+    [first.into(), normal.cross(&first).into()]
 }
 
-/// The monomials at the neighbours, one column each, the wanted ones last.
+/// The monomials at the neighbours, a column each; those of the derivatives come last.
 fn monomials<T: Real>(offsets: &[[T; 2]; NEIGHBOURS]) -> [[T; NEIGHBOURS]; MONOMIALS] {
     let half = T::from_f32(0.5);
     let mut columns = [[T::ZERO; NEIGHBOURS]; MONOMIALS];
@@ -198,40 +197,4 @@ fn monomials<T: Real>(offsets: &[[T; 2]; NEIGHBOURS]) -> [[T; NEIGHBOURS]; MONOM
         }
     }
     columns
-}
-
-/// The weights that give the least-squares coefficients of the last columns: by modified Gram-Schmidt, in place, the
-/// columns become orthonormal, and those coefficients need the last block of the triangular factor only.
-fn solve<T: Real>(columns: &mut [[T; NEIGHBOURS]; MONOMIALS]) -> Option<[[T; NEIGHBOURS]; DERIVATIVES]> {
-    let wanted = MONOMIALS - DERIVATIVES;
-    let mut triangle = [[T::ZERO; MONOMIALS]; MONOMIALS];
-    for k in 0..MONOMIALS {
-        let (before, rest) = columns.split_at_mut_checked(k)?;
-        let column = rest.first_mut()?;
-        let length = dot(column, column).sqrt();
-        for (earlier, row) in before.iter().zip(&mut triangle) {
-            let share = dot(earlier, column);
-            add_scaled(column, -share, earlier);
-            row[k] = share;
-        }
-        let norm = dot(column, column).sqrt();
-        // Not the other way round: a NaN is not more either.
-        let determined = norm > length * T::from_f32(DEPENDENT);
-        if !determined {
-            return None;
-        }
-        *column = column.map(|value| value / norm);
-        triangle[k][k] = norm;
-    }
-    // Back substitution for the last coefficients.
-    let mut weights = [[T::ZERO; NEIGHBOURS]; DERIVATIVES];
-    for k in (0..DERIVATIVES).rev() {
-        let row = triangle[wanted + k];
-        let mut solution = columns[wanted + k];
-        for (factor, known) in row.iter().skip(wanted).zip(&weights).skip(k + 1) {
-            add_scaled(&mut solution, -*factor, known);
-        }
-        weights[k] = solution.map(|value| value / row[wanted + k]);
-    }
-    Some(weights)
 }

@@ -32,7 +32,7 @@ mod tests {
     use crc::{CRC_32_ISO_HDLC, Crc};
 
     #[test]
-    fn it_is_the_standard_s() {
+    fn it_equals_the_standard_checksum() {
         let bytes: [u8; 1000] = core::array::from_fn(|i| (i * i / 7) as u8);
         for length in [0, 1, 2, 255, 1000] {
             let expected = Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(&bytes[..length]);

@@ -1,33 +1,35 @@
 //! Writing a model file: the header, and pads that align every blob.
 
-use super::checksum::checksum;
-use super::read::{Cursor, Part};
-use super::wire::{Blob, Contents};
-use super::{HEADER_LENGTH, MAGIC, VERSION};
-use crate::error::EncodeError;
+use super::error::EncodeError;
+use super::header::{HEADER_LENGTH, header};
+use super::read::{Decode, Reader};
+use super::wire::{Blob, Contents, MAX_CLUSTERS, MAX_NODE_SETS, MAX_SPANS};
 
 const ALIGNMENT: usize = 16;
+/// The most blobs that a message can hold.
+const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (16 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 static ZEROS: [u8; ALIGNMENT] = [0; ALIGNMENT];
 
 /// Writes a model file into `buffer`, choosing the pads, and returns its length. A buffer of the summed length of all
-/// arrays and texts plus 8 KiB is long enough. The contents are not judged; [`Model::open`](super::Model::open) does.
+/// arrays and texts plus 8 KiB is long enough. The contents are not checked; [`Model::open`](super::Model::open) checks
+/// them.
 ///
 /// # Errors
-/// [`EncodeError`] if the buffer is too short or the payload longer than a u32 can say.
+/// [`EncodeError`] if the buffer is too short or the length of the payload does not fit into a u32.
 pub fn encode(contents: &Contents<'_>, buffer: &mut [u8]) -> Result<usize, EncodeError> {
     let found = buffer.len();
     let too_short = EncodeError::BufferTooShort { found };
-    let (header, payload) = buffer.split_at_mut_checked(HEADER_LENGTH).ok_or(too_short)?;
+    let (start, payload) = buffer.split_at_mut_checked(HEADER_LENGTH).ok_or(too_short)?;
 
     let mut padded = contents.clone();
     padded.for_each_blob(&mut |blob| blob.pad = &[]);
     postcard::to_slice(&padded, payload).map_err(|_| too_short)?;
 
-    let mut offsets = heapless::Vec::<usize, { Contents::MAX_BLOBS }>::new();
+    let mut offsets = heapless::Vec::<usize, MAX_BLOBS>::new();
     {
         let origin = payload.as_ptr() as usize;
         let mut unpadded = Contents::default();
-        unpadded.read(&mut Cursor::new(payload));
+        unpadded.read(&mut Reader::new(payload));
         unpadded.for_each_blob(&mut |blob| {
             // Cannot fail: MAX_BLOBS counts them all.
             let _ = offsets.push(blob.data.as_ptr() as usize - origin);
@@ -47,9 +49,6 @@ pub fn encode(contents: &Contents<'_>, buffer: &mut [u8]) -> Result<usize, Encod
 
     let length = postcard::to_slice(&padded, payload).map_err(|_| too_short)?.len();
     let announced = u32::try_from(length).map_err(|_| EncodeError::TooLong { length })?;
-    header[..4].copy_from_slice(&MAGIC);
-    header[4..8].copy_from_slice(&VERSION.to_le_bytes());
-    header[8..12].copy_from_slice(&announced.to_le_bytes());
-    header[12..].copy_from_slice(&checksum(&payload[..length]).to_le_bytes());
+    start.copy_from_slice(&header(&payload[..length], announced));
     Ok(HEADER_LENGTH + length)
 }

@@ -1,6 +1,6 @@
 //! The surface mesh and the symmetry of the square duct.
 
-use super::matrix::Indices;
+use super::indices::Indices;
 use super::wire;
 use crate::linalg::LANES;
 
@@ -113,12 +113,12 @@ impl<'a> Mesh<'a> {
         node.map_or([0.0; 3], |node| node.map(f32::from_le_bytes))
     }
 
-    /// The same as it is stored.
+    /// Reference position of a sector node, as it is stored.
     pub(crate) fn sector_node(&self, sector_node: usize) -> [[u8; 4]; 3] {
         self.sector_reference.get(sector_node).copied().unwrap_or_default()
     }
 
-    /// Those of a panel, as they are stored.
+    /// Reference positions of the sector nodes of a panel, as they are stored.
     pub(crate) fn sector_panel(&self, panel: usize) -> &'a [[[u8; 4]; 3]] {
         self.sector_reference.chunks(LANES).nth(panel).unwrap_or_default()
     }

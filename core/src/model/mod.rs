@@ -1,48 +1,59 @@
 //! The model file: wire format, validation, views that read in place.
 //!
 //! A file is a 16-byte header (magic `CROM`, format version, payload length, CRC-32 of the payload, all little-endian
-//! u32) and one postcard message, see [`wire`]. [`Model::open`] checks everything once; after it no accessor and no
-//! evaluation depends on the file being well made any more.
+//! u32) and one postcard message, described in `wire.rs`. [`Model::open`] checks everything once; after it no accessor
+//! and no evaluation depends on the file being well made any more.
 
 mod checksum;
 mod curve;
+#[cfg(feature = "write")]
 mod encode;
+mod error;
+mod header;
+mod indices;
 mod matrix;
 mod mesh;
+#[cfg(not(feature = "write"))]
+mod panels;
+#[cfg(feature = "write")]
+pub mod panels;
+mod parameters;
+mod products;
+mod quantized;
 mod read;
+mod samples;
 mod validate;
+#[cfg(not(feature = "write"))]
+pub(crate) mod wire;
+#[cfg(feature = "write")]
 pub mod wire;
 
 pub use curve::Curve;
+#[cfg(feature = "write")]
 pub use encode::encode;
-pub(crate) use matrix::{Factors, Vectors};
-pub use matrix::{Indices, MatrixView};
+#[cfg(feature = "write")]
+pub use error::EncodeError;
+pub use error::OpenError;
+pub use indices::Indices;
+pub use matrix::MatrixView;
 pub use mesh::Mesh;
 pub(crate) use mesh::{apply, components};
+pub use parameters::Parameters;
+pub(crate) use quantized::{QuantizedRef, QuantizedVectors};
+pub use samples::ClusterSamples;
+pub use wire::{DIAGONAL, MIDPLANE, Parameter, Reference, Units};
 
-use crate::error::{EvaluateError, OpenError};
-use crate::{Domain, Parameters, Real};
+use crate::Real;
+use crate::error::EvaluateError;
 use core::fmt;
 use core::mem::MaybeUninit;
-use read::{Cursor, Part};
-use wire::{Cluster, Contents, Reference};
-
-/// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole. A model has it only if the symmetry of
-/// its mesh holds these nodes in their plane.
-pub const MIDPLANE: &str = "midplane";
-/// Name of the node set of the outline y = z >= 0, front pole to rear pole, under the same condition.
-pub const DIAGONAL: &str = "diagonal";
-
-const MAGIC: [u8; 4] = *b"CROM";
-const VERSION: u32 = 10;
-const HEADER_LENGTH: usize = 16;
-
-/// The most samples that a cluster may hold.
-pub(crate) const MAX_SAMPLES: usize = 1 << 16;
+use header::payload;
+use read::{Decode, Reader};
+use wire::{Cluster, Contents, Method};
 
 /// Rounding that a parameter may carry and still count as within a range: singles of the file against doubles of the
 /// caller.
-const PARAMETER_TOLERANCE: f64 = 1e-6;
+pub(crate) const PARAMETER_TOLERANCE: f64 = 1e-6;
 
 /// A validated model, reading the file's bytes where they lie.
 #[derive(Clone, Debug)]
@@ -56,7 +67,7 @@ impl<'a> Model<'a> {
     /// Opens a model file: checks header, CRC-32, every dimension, index and number.
     ///
     /// # Errors
-    /// What is wrong with the file, see [`OpenError`].
+    /// [`OpenError`] names the fault of the file.
     pub fn open(file: &'a [u8]) -> Result<Self, OpenError> {
         let mut model = Self::empty();
         model.read(file)?;
@@ -86,7 +97,7 @@ impl<'a> Model<'a> {
     fn read(&mut self, file: &'a [u8]) -> Result<(), OpenError> {
         let (payload, digest) = payload(file)?;
         (self.digest, self.file) = (digest, file);
-        let mut message = Cursor::new(payload);
+        let mut message = Reader::new(payload);
         self.contents.read(&mut message);
         match message.end().ok_or(OpenError::Undecodable)? {
             0 => validate::contents(&self.contents),
@@ -102,6 +113,81 @@ impl<'a> Model<'a> {
     /// CRC-32 of the payload: identifies the model.
     pub fn digest(&self) -> u32 {
         self.digest
+    }
+
+    /// Title for people.
+    pub fn title(&self) -> &'a str {
+        self.contents.metadata.title
+    }
+
+    /// Units of lengths, velocities and times.
+    pub fn units(&self) -> Units<'a> {
+        self.contents.metadata.units
+    }
+
+    /// The parameters with their names and sampled ranges, in the order of a query.
+    pub fn parameters(&self) -> &[Parameter<'a>] {
+        &self.contents.metadata.parameters
+    }
+
+    /// Constitutive law of the membrane.
+    pub fn membrane_law(&self) -> &'a str {
+        self.contents.metadata.membrane_law
+    }
+
+    /// Bending stiffness B of the full-order model, in G_s a^2, if it is known.
+    pub fn bending_stiffness(&self) -> Option<f64> {
+        self.contents.metadata.bending_stiffness
+    }
+
+    /// Digest of the snapshot database (hexadecimal text).
+    pub fn database_digest(&self) -> &'a str {
+        self.contents.metadata.database_digest
+    }
+
+    /// Settings of the offline stage, as JSON text.
+    pub fn offline_settings(&self) -> &'a str {
+        self.contents.metadata.offline_settings
+    }
+
+    /// Creation time, seconds since 1970-01-01 UTC.
+    pub fn created_unix_s(&self) -> u32 {
+        self.contents.metadata.created_unix_s
+    }
+
+    /// Method for a caller that has no preference.
+    pub fn default_method(&self) -> Method {
+        self.contents.default_method
+    }
+
+    /// The reference state of the mesh: [`Reference::Sphere`] for a capsule in the channel.
+    pub fn reference(&self) -> Reference {
+        self.contents.mesh.reference
+    }
+
+    /// The clusters, by rising values of the parameter that divides them.
+    pub fn clusters(&self) -> impl ExactSizeIterator<Item = ClusterSamples<'a>> {
+        self.contents.clusters.iter().map(ClusterSamples::new)
+    }
+
+    /// Points of the steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising.
+    pub fn steady_limit_points(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.steady_limit)
+    }
+
+    /// The curve Ca(a/l) at which the solution jumps, and which interpolation does not cross.
+    pub fn jump_curve(&self) -> Curve<'a> {
+        Curve::new(&self.contents.border)
+    }
+
+    /// Effect of the bending stiffness at some configurations `[n, 3]`: rows (Ca, a/l, distance as a fraction of a).
+    pub fn bending_effect(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.bending_effect)
+    }
+
+    /// Instants `[N_e, 1]` of the leave-one-out errors.
+    pub fn error_times(&self) -> MatrixView<'a> {
+        MatrixView::new(&self.contents.error_times)
     }
 
     /// The solution that the errors of the model are measured against, in words: of the full-order model with its law
@@ -120,8 +206,23 @@ impl<'a> Model<'a> {
     }
 
     /// The decoded message.
+    #[cfg(feature = "write")]
     pub fn contents(&self) -> &Contents<'a> {
         &self.contents
+    }
+
+    /// The decoded message.
+    #[cfg(not(feature = "write"))]
+    pub(crate) fn contents(&self) -> &Contents<'a> {
+        &self.contents
+    }
+
+    /// An error in words, with the names of the model's parameters.
+    pub fn describe(&self, error: EvaluateError) -> impl fmt::Display + use<'a> {
+        let parameters = self.contents.metadata.parameters.iter();
+        let names: heapless::Vec<&'a str, { wire::MAX_PARAMETERS }> =
+            parameters.map(|parameter| parameter.name).collect();
+        fmt::from_fn(move |f| error.write(f, &names))
     }
 
     /// The surface mesh.
@@ -154,39 +255,6 @@ impl<'a> Model<'a> {
     /// none where the model has no steady limit.
     pub fn steady_limit<T: Real>(&self, confinement: T) -> Option<T> {
         Curve::new(&self.contents.steady_limit).at(confinement)
-    }
-
-    /// Where parameters lie with respect to the sampled ranges and the steady limit; numbers that are not finite lie
-    /// outside. Whether they are [`FarFromSamples`](Domain::FarFromSamples) only a prepared query tells.
-    ///
-    /// # Errors
-    /// [`EvaluateError::ParameterCount`].
-    pub fn domain<T: Real>(&self, parameters: impl Into<Parameters<T>>) -> Result<Domain, EvaluateError> {
-        let parameters = parameters.into();
-        let (expected, found) = (self.contents.metadata.parameters.len(), parameters.as_slice().len());
-        if found != expected {
-            return Err(EvaluateError::ParameterCount { expected, found });
-        }
-        let beyond = |limit: T| parameters.get(0) > limit * T::from_f64(1.0 + PARAMETER_TOLERANCE);
-        Ok(if self.outside(&parameters).is_some() {
-            Domain::Outside
-        } else if self.steady_limit(parameters.get(1)).is_some_and(beyond) {
-            Domain::BeyondSteadyLimit
-        } else {
-            Domain::Inside
-        })
-    }
-
-    /// The first parameter that lies outside its sampled range.
-    pub(crate) fn outside<T: Real>(&self, parameters: &Parameters<T>) -> Option<usize> {
-        let within = |(value, range): (&T, &wire::Parameter<'_>)| {
-            let (min, max) = (T::from_f64(range.min), T::from_f64(range.max));
-            let rounding = T::from_f32(2.0 * f32::EPSILON) * min.abs().max(max.abs());
-            let slack = T::from_f64(PARAMETER_TOLERANCE) * (max - min) + rounding;
-            *value >= min - slack && *value <= max + slack
-        };
-        let mut ranges = parameters.as_slice().iter().zip(&self.contents.metadata.parameters);
-        ranges.position(|place| !within(place))
     }
 
     /// The factor of the reference nodes: a/l where they lie on the unit sphere, else 1.
@@ -228,49 +296,5 @@ impl<'a> Model<'a> {
         };
         let clusters = &self.contents.clusters;
         clusters.iter().find(reaches).or(clusters.last())
-    }
-}
-
-/// The payload of a file and its CRC-32, if the header is right.
-#[inline(never)]
-fn payload(file: &[u8]) -> Result<(&[u8], u32), OpenError> {
-    let truncated = |expected| OpenError::Truncated {
-        expected,
-        found: file.len(),
-    };
-    let (header, body) = file
-        .split_first_chunk::<HEADER_LENGTH>()
-        .ok_or(truncated(HEADER_LENGTH))?;
-    let &[magic, version, length, checksum] = header.as_chunks::<4>().0 else {
-        return Err(truncated(HEADER_LENGTH));
-    };
-    if magic != MAGIC {
-        return Err(OpenError::Magic { found: magic });
-    }
-    let (version, length) = (u32::from_le_bytes(version), u32::from_le_bytes(length));
-    let checksum = u32::from_le_bytes(checksum);
-    if version != VERSION {
-        return Err(OpenError::Version {
-            found: version,
-            supported: VERSION,
-        });
-    }
-    let length = length as usize;
-    if body.len() < length {
-        return Err(truncated(HEADER_LENGTH.saturating_add(length)));
-    }
-    if body.len() > length {
-        return Err(OpenError::TrailingBytes {
-            found: body.len() - length,
-        });
-    }
-    let found = checksum::checksum(body);
-    if found == checksum {
-        Ok((body, found))
-    } else {
-        Err(OpenError::Checksum {
-            expected: checksum,
-            found,
-        })
     }
 }

@@ -1,31 +1,33 @@
-//! Reading the message where it lies, field by field into place: what serde would build by value, on a stack that a
-//! microcontroller does not have. The format is postcard's: integers above a byte in groups of seven bits, the lowest
+//! Reading the message in place, field by field. serde would build each struct by value, on a larger stack than a
+//! microcontroller has. The format is postcard's: integers above a byte in groups of seven bits, the lowest
 //! first; bytes, texts and lists behind their length; enums by the number of the variant; floats as they are.
 
 use super::wire::{
-    Blob, Cluster, Contents, Digits, Encoding, Errors, Field, Kernel, Matrix, Mesh, Metadata, Method, NodeSet, Paper,
-    Parameter, Reference, Samples, Span, Units,
+    Blob, Cluster, Contents, Encoding, Errors, Field, Kernel, Matrix, Mesh, Metadata, Method, NodeSet, Paper,
+    Parameter, Reference, Samples, Span, Units, Widths,
 };
 use heapless::Vec;
 
-/// A part of the message.
-pub(super) trait Part<'a> {
+/// A part of the message that is read in place.
+pub(super) trait Decode<'a> {
     /// Reads it from the front of what is left.
-    fn read(&mut self, from: &mut Cursor<'a>);
+    fn read(&mut self, from: &mut Reader<'a>);
 
     /// Visits its blobs in the order of the message.
+    #[cfg(feature = "write")]
     fn for_each_blob(&mut self, _visit: &mut dyn FnMut(&mut Blob<'a>)) {}
 }
 
-/// The parts of a struct are its fields, in the order of the message. The compiler refuses a list that forgets one.
-macro_rules! parts {
+/// A struct is its fields, in the order of the message. The compiler refuses a list that forgets one.
+macro_rules! decode_fields {
     ($($part:ty { $($field:ident),+ })+) => { $(
-        impl<'a> Part<'a> for $part {
-            fn read(&mut self, from: &mut Cursor<'a>) {
+        impl<'a> Decode<'a> for $part {
+            fn read(&mut self, from: &mut Reader<'a>) {
                 let Self { $($field),+ } = self;
                 $($field.read(from);)+
             }
 
+            #[cfg(feature = "write")]
             fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
                 let Self { $($field),+ } = self;
                 $($field.for_each_blob(visit);)+
@@ -34,7 +36,7 @@ macro_rules! parts {
     )+ };
 }
 
-parts! {
+decode_fields! {
     Contents<'a> {
         metadata, mesh, times, error_times, steady_limit, bending_effect, border, default_method, kernel, paper, split,
         clusters
@@ -60,33 +62,33 @@ parts! {
     Matrix<'a> { rows, columns, encoding, blob }
 }
 
-/// What is left of a message. Where it does not decode it is at its end, so that the rest reads as zeros; that it did
-/// not decode is asked once, in the end.
-pub(super) struct Cursor<'a> {
+/// The rest of a message. After bytes that do not decode it is empty and every value reads as 0, so that validity is
+/// checked once, at the end.
+pub(super) struct Reader<'a> {
     left: &'a [u8],
-    sound: bool,
+    is_valid: bool,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> Reader<'a> {
     pub(super) fn new(message: &'a [u8]) -> Self {
         Self {
             left: message,
-            sound: true,
+            is_valid: true,
         }
     }
 
     /// How many bytes are left, if all that was read did decode.
     pub(super) fn end(self) -> Option<usize> {
-        self.sound.then_some(self.left.len())
+        self.is_valid.then_some(self.left.len())
     }
 
-    fn spoil(&mut self) {
-        (self.left, self.sound) = (&[], false);
+    fn fail(&mut self) {
+        (self.left, self.is_valid) = (&[], false);
     }
 
     fn take(&mut self, count: usize) -> &'a [u8] {
         let Some((taken, left)) = self.left.split_at_checked(count) else {
-            self.spoil();
+            self.fail();
             return &[];
         };
         self.left = left;
@@ -114,11 +116,11 @@ impl<'a> Cursor<'a> {
                 return value;
             }
         }
-        self.spoil();
+        self.fail();
         0
     }
 
-    /// The same number on every target: a length of more than 32 bits cannot be right.
+    /// A length; one of more than 32 bits is refused on every target.
     fn length(&mut self) -> usize {
         self.integer(u32::BITS) as usize
     }
@@ -130,26 +132,26 @@ impl<'a> Cursor<'a> {
     }
 }
 
-impl<'a> Part<'a> for u8 {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for u8 {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = from.byte();
     }
 }
 
-impl<'a> Part<'a> for u16 {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for u16 {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = from.integer(Self::BITS) as Self;
     }
 }
 
-impl<'a> Part<'a> for u32 {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for u32 {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = from.integer(Self::BITS);
     }
 }
 
-impl<'a> Part<'a> for f64 {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for f64 {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = from
             .take(8)
             .first_chunk()
@@ -157,8 +159,8 @@ impl<'a> Part<'a> for f64 {
     }
 }
 
-impl<'a> Part<'a> for Option<f64> {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for Option<f64> {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = match from.byte() {
             0 => None,
             1 => {
@@ -166,62 +168,63 @@ impl<'a> Part<'a> for Option<f64> {
                 value.read(from);
                 Some(value)
             }
-            _ => return from.spoil(),
+            _ => return from.fail(),
         }
     }
 }
 
-impl<'a> Part<'a> for &'a str {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for &'a str {
+    fn read(&mut self, from: &mut Reader<'a>) {
         match core::str::from_utf8(from.bytes()) {
             Ok(text) => *self = text,
-            Err(_) => from.spoil(),
+            Err(_) => from.fail(),
         }
     }
 }
 
-impl<'a> Part<'a> for Blob<'a> {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for Blob<'a> {
+    fn read(&mut self, from: &mut Reader<'a>) {
         self.pad = from.bytes();
         self.data = from.bytes();
     }
 
+    #[cfg(feature = "write")]
     fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
         visit(self);
     }
 }
 
-impl<'a> Part<'a> for Method {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for Method {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = match from.integer(32) {
             0 => Self::Direct,
             1 => Self::Paper,
-            _ => return from.spoil(),
+            _ => return from.fail(),
         }
     }
 }
 
-impl<'a> Part<'a> for Encoding {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for Encoding {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = match from.integer(32) {
             0 => Self::F32,
             variant @ 1..=3 => {
-                let mut coarse = 0;
-                coarse.read(from);
-                let digits = Digits { coarse };
+                let mut wide_columns = 0;
+                wide_columns.read(from);
+                let widths = Widths { wide_columns };
                 match variant {
-                    1 => Self::Columns(digits),
-                    2 => Self::ColumnPanels(digits),
-                    _ => Self::RowPanels(digits),
+                    1 => Self::Columns(widths),
+                    2 => Self::ColumnPanels(widths),
+                    _ => Self::RowPanels(widths),
                 }
             }
-            _ => return from.spoil(),
+            _ => return from.fail(),
         }
     }
 }
 
-impl<'a> Part<'a> for Reference {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a> Decode<'a> for Reference {
+    fn read(&mut self, from: &mut Reader<'a>) {
         *self = match from.integer(32) {
             0 => Self::Sphere,
             1 => {
@@ -235,18 +238,19 @@ impl<'a> Part<'a> for Reference {
                     volumes,
                 }
             }
-            _ => return from.spoil(),
+            _ => return from.fail(),
         }
     }
 }
 
-impl<'a, P: Part<'a>, const N: usize> Part<'a> for [P; N] {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a, P: Decode<'a>, const N: usize> Decode<'a> for [P; N] {
+    fn read(&mut self, from: &mut Reader<'a>) {
         for part in self {
             part.read(from);
         }
     }
 
+    #[cfg(feature = "write")]
     fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
         for part in self {
             part.for_each_blob(visit);
@@ -254,12 +258,12 @@ impl<'a, P: Part<'a>, const N: usize> Part<'a> for [P; N] {
     }
 }
 
-impl<'a, P: Part<'a> + Default, const N: usize> Part<'a> for Vec<P, N> {
-    fn read(&mut self, from: &mut Cursor<'a>) {
+impl<'a, P: Decode<'a> + Default, const N: usize> Decode<'a> for Vec<P, N> {
+    fn read(&mut self, from: &mut Reader<'a>) {
         for _ in 0..from.length() {
             // More than there is room for cannot be right.
             if self.push(P::default()).is_err() {
-                return from.spoil();
+                return from.fail();
             }
             if let Some(part) = self.last_mut() {
                 part.read(from);
@@ -267,6 +271,7 @@ impl<'a, P: Part<'a> + Default, const N: usize> Part<'a> for Vec<P, N> {
         }
     }
 
+    #[cfg(feature = "write")]
     fn for_each_blob(&mut self, visit: &mut dyn FnMut(&mut Blob<'a>)) {
         for part in self {
             part.for_each_blob(visit);

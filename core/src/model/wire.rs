@@ -11,6 +11,7 @@
 //! the rates d alpha/dt: coefficient 0 is `sqrt(N_x) U` with `U = dX_c/dt`, the others are those of `v - U e_x`.
 
 use heapless::Vec;
+#[cfg(feature = "write")]
 use serde::{Deserialize, Serialize};
 
 /// The most clusters that a file may hold.
@@ -21,12 +22,21 @@ pub const MAX_NODE_SETS: usize = 8;
 pub const MAX_SPANS: usize = 4;
 /// The most parameters that a model may have.
 pub const MAX_PARAMETERS: usize = 4;
+/// The most samples that a cluster may hold.
+pub const MAX_SAMPLES: usize = 1 << 16;
 
-/// The whole message.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Name of the node set of the outline z = 0, y >= 0, front pole to rear pole. A model has it only if the symmetry of
+/// its mesh holds these nodes in their plane.
+pub const MIDPLANE: &str = "midplane";
+/// Name of the node set of the outline y = z >= 0, front pole to rear pole, under the same condition.
+pub const DIAGONAL: &str = "diagonal";
+
+/// The message.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Contents<'a> {
-    /// What the model is and where it comes from.
-    #[serde(borrow)]
+    /// Title, units, parameters, provenance.
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub metadata: Metadata<'a>,
     /// Surface mesh and its symmetry.
     pub mesh: Mesh<'a>,
@@ -43,7 +53,7 @@ pub struct Contents<'a> {
     /// Border `[n, 2]` that interpolation does not cross, because the solution jumps there: rows (a/l, Ca), a/l
     /// strictly rising; linear between, and no border beyond. May be empty.
     pub border: Matrix<'a>,
-    /// Method that a caller should take when it has no wish of its own.
+    /// Method for a caller that has no preference.
     pub default_method: Method,
     /// Settings of [`Method::Direct`].
     pub kernel: Kernel,
@@ -55,20 +65,21 @@ pub struct Contents<'a> {
     pub clusters: Vec<Cluster<'a>, MAX_CLUSTERS>,
 }
 
-/// What the model is and where it comes from.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Title, units, parameters, provenance.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Metadata<'a> {
     /// Title for people.
     pub title: &'a str,
     /// Units of what goes in and comes out.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub units: Units<'a>,
     /// Constitutive law of the membrane.
     pub membrane_law: &'a str,
     /// Bending stiffness B of the full-order model, in G_s a^2, if it is known.
     pub bending_stiffness: Option<f64>,
     /// One to four parameters, in the order of a query's; capillary number, confinement for a capsule in the channel.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub parameters: Vec<Parameter<'a>, MAX_PARAMETERS>,
     /// Digest of the snapshot database (hexadecimal text).
     pub database_digest: &'a str,
@@ -79,7 +90,8 @@ pub struct Metadata<'a> {
 }
 
 /// Names of the units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Units<'a> {
     /// Of lengths; `l`, half the channel's side, for a capsule in the channel.
     pub length: &'a str,
@@ -91,9 +103,10 @@ pub struct Units<'a> {
 
 /// One parameter and the range in which the model was sampled.
 ///
-/// A model works with scaled parameters, (value - origin) / scale, so that values of any size and offset keep their
-/// digits. For a capsule in the channel they are Ca and a/l themselves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// A model works with scaled parameters, (value - origin) / scale, so that a large offset costs no precision. For a
+/// capsule in the channel they are Ca and a/l themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Parameter<'a> {
     /// Name, such as `capillary_number`.
     pub name: &'a str,
@@ -108,16 +121,17 @@ pub struct Parameter<'a> {
 }
 
 /// Surface mesh: triangles of degree 2 or 1, stored with what symmetry cannot derive.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Mesh<'a> {
     /// Number of nodes N_x of the full mesh.
     pub nodes: u32,
     /// Nodes of an element: 6, or 3 where the triangles are flat.
     pub element_nodes: u8,
     /// `u16 [N_e, element_nodes]`: corners 0 1 2, mid-edges (0,1) (1,2) (2,0), counter-clockwise from outside.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub elements: Blob<'a>,
-    /// What the reference nodes are.
+    /// Shape of the reference nodes.
     pub reference: Reference,
     /// Reference nodes of the sector `[N_s, 3]`.
     pub sector_reference: Matrix<'a>,
@@ -135,7 +149,8 @@ pub struct Mesh<'a> {
 }
 
 /// The reference state of a mesh: node X contributes `s X` to its position.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub enum Reference {
     /// The unit sphere, which times a/l is the stress-free state: s = a/l, and the parameters are (Ca, a/l). Only here
     /// the mechanics of the membrane is known.
@@ -153,24 +168,26 @@ pub enum Reference {
 }
 
 /// A named list of nodes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct NodeSet<'a> {
     /// Name.
     pub name: &'a str,
     /// `u16 [n]`: full node indices; an outline runs from the front pole to the rear pole.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub nodes: Blob<'a>,
 }
 
 /// The double POD of one part of the parameter domain, and its samples.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Cluster<'a> {
     /// Least value of the clusters' scaled parameter that the cluster answers for.
     pub min: f64,
     /// The greatest value.
     pub max: f64,
     /// Samples, by rising last parameter.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub samples: Samples<'a>,
     /// Displacement and velocity.
     pub field: Field<'a>,
@@ -186,12 +203,13 @@ pub struct Cluster<'a> {
 }
 
 /// Where the samples of a cluster lie.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Samples<'a> {
     /// `[N_c, P]`: rows of scaled parameters, rising: ordered by the last one, equal ones by the one before it.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub parameters: Matrix<'a>,
-    /// `[N_c, P]`: their [places](crate::interpolate::Coordinates::place), in which [`Method::Direct`] takes distances.
+    /// `[N_c, P]`: their [coordinates](crate::interpolate::Coordinates::transform), in which [`Method::Direct`] takes distances.
     pub places: Matrix<'a>,
 }
 
@@ -201,11 +219,12 @@ pub struct Samples<'a> {
 ///
 /// The nodes move with their velocity, so both fields lie in one space Phi, and the velocity's coefficients are the
 /// rates of the displacement's.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Field<'a> {
     /// Shape modes `[3 S, K - 1]` at the sector nodes, orthonormal over the FULL mesh: rows of x, then of y, then of z,
     /// each S rows for S the next multiple of 8 of N_s; those beyond N_s are 0.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub modes: Matrix<'a>,
     /// Knots `[N_b + 4, 1]`: the first four are 0 and the last four the end time; between, none is repeated more than
     /// four times.
@@ -222,10 +241,11 @@ pub struct Field<'a> {
 /// own, fewer than all of time would need.
 ///
 /// Of the core's slices G_b `[K - 1, K_c]` the last rows, which are negligible, are not stored.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Span<'a> {
     /// Psi `[N_c, K_c]`.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub parameter_modes: Matrix<'a>,
     /// `u16`, one for each control of the span: how many times eight rows of the core belong to its slice.
     pub slices: Blob<'a>,
@@ -234,13 +254,14 @@ pub struct Span<'a> {
 }
 
 /// Leave-one-out errors at the samples of a cluster, by one method.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Errors<'a> {
     /// Error `[N_c, N_e]` of the sample predicted without itself at the instants `error_times`, in the laboratory
     /// frame, as a fraction of a: modified Hausdorff distance for a capsule in the channel, mean distance of the nodes
     /// for
     /// [`Reference::Shape`].
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub left_out: Matrix<'a>,
     /// `[N_c, 1]`: [`Weights::deviation`](crate::interpolate::Weights::deviation) of that prediction, > 0.
     pub deviation: Matrix<'a>,
@@ -254,7 +275,8 @@ pub struct Errors<'a> {
 }
 
 /// How a query is answered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub enum Method {
     /// Interpolated coefficients evaluated at the instant: a quintic kernel in the parameters, cubic splines in time.
     #[default]
@@ -264,7 +286,8 @@ pub enum Method {
 }
 
 /// Settings of the kernel interpolation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Kernel {
     /// Number of nearest samples that take part.
     pub neighbours: u32,
@@ -274,7 +297,8 @@ pub struct Kernel {
 }
 
 /// Settings of Algorithm 2.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Paper {
     /// M: samples that the ellipse of the diffuse approximation holds (section 3.4.1).
     pub neighbours: u32,
@@ -292,7 +316,8 @@ pub struct Paper {
 }
 
 /// A matrix.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Matrix<'a> {
     /// Number of rows.
     pub rows: u32,
@@ -301,44 +326,40 @@ pub struct Matrix<'a> {
     /// How an entry is stored.
     pub encoding: Encoding,
     /// The entries.
-    #[serde(borrow)]
+    #[cfg_attr(feature = "write", serde(borrow))]
     pub blob: Blob<'a>,
 }
 
 /// How the entries of a matrix are stored.
 ///
-/// Integers are digits of one byte with a sign. A column of two digits is 256 times the first and the second; the
-/// columns of two digits come first.
-///
-/// A panel is eight successive rows in blocks of 16 bytes, one for a column of two digits or for two columns of one. A
-/// block is four words, one for every two rows: the first digits of these, or those of the first column, then the
-/// second ones. Products with vectors take a panel at a time. Where the rows are no multiple of eight, or the columns
-/// of one digit are odd in number, zeros fill the last panel or block. The panels of a transpose have digits for rows,
-/// the last digits of all columns before the first ones, and rows for columns, all of one digit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// A quantised entry is an integer times a scale. The integers of the first columns, which are wide, have two bytes,
+/// the others one; [`panels`](super::panels) describes their layout.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 #[non_exhaustive]
 pub enum Encoding {
     /// Little-endian binary32, row by row.
     #[default]
     F32,
-    /// A little-endian binary32 for each column, its unit; then the panels of the transpose, in the units of the
-    /// columns.
-    Columns(Digits),
-    /// A little-endian binary32 for each column, its unit; then the panels in the units of their columns.
-    ColumnPanels(Digits),
-    /// A little-endian binary32 for each row, its unit; then the panels in the units of their rows.
-    RowPanels(Digits),
+    /// A little-endian binary32 scale for each column, then the panels of the transpose: for sums of rows.
+    Columns(Widths),
+    /// A little-endian binary32 scale for each column, then the panels: for products with vectors.
+    ColumnPanels(Widths),
+    /// A little-endian binary32 scale for each row, then the panels: for products with vectors.
+    RowPanels(Widths),
 }
 
-/// How integers are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Digits {
-    /// In how many of the first columns they have two digits.
-    pub coarse: u16,
+/// Bytes of the integers of each column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
+pub struct Widths {
+    /// Number of leading columns whose integers have two bytes; those of the others have one.
+    pub wide_columns: u16,
 }
 
 /// Little-endian numbers, aligned to 16 bytes in the file by the pad before them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "write", derive(Serialize, Deserialize))]
 pub struct Blob<'a> {
     /// Zeros, fewer than 16.
     pub pad: &'a [u8],
@@ -351,11 +372,6 @@ impl Parameter<'_> {
     pub fn value(&self, scaled: f64) -> f64 {
         self.origin + self.scale * scaled
     }
-}
-
-impl<'a> Contents<'a> {
-    /// The most blobs that a message can hold.
-    pub(crate) const MAX_BLOBS: usize = 10 + MAX_NODE_SETS + (16 + 3 * MAX_SPANS) * MAX_CLUSTERS;
 }
 
 impl<'a> Blob<'a> {

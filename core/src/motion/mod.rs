@@ -1,7 +1,8 @@
-//! One query's motion: the double POD with the parameters already contracted, at any instant.
+//! The interpolated motion of a query at any instant: the double POD of section 3.3, contracted with the weights.
 //!
-//! The core's slices times psi (eqs. 23 and 24) are the controls of cubic splines in time. Four of them make an
-//! instant, and they are kept, so that an instant beside it costs four multiplications a coefficient.
+//! The coefficients of the modes are cubic splines in time. Their control vectors are the slices of the core tensor times
+//! psi (eqs. 23 and 24). Four of them define the motion between two knots; they are cached, so that another instant there
+//! costs four multiplications a coefficient. `spline` evaluates the B-splines.
 
 pub(crate) mod spline;
 
@@ -9,48 +10,59 @@ use crate::Real;
 use crate::interpolate::Weights;
 use crate::linalg::{LANES, dot, slice_or_empty, slice_or_empty_mut};
 use crate::model::wire::{Field, Span};
-use crate::model::{Factors, Indices, MatrixView, Vectors};
+use crate::model::{Indices, MatrixView, QuantizedRef, QuantizedVectors};
 use crate::motion::spline::{ORDER, Splines};
-use crate::workspace::Parts;
+use crate::parts::Parts;
 use core::mem::offset_of;
 
-/// The most modes in which the translation's parameters are kept.
+/// Maximum number of parameter modes of the translation.
 pub(crate) const AXIAL_MODES: usize = 16;
 
-/// What the samples' modes become for a query.
+/// The parameter modes contracted with the weights of a query.
 #[derive(Clone, Debug)]
 pub(crate) struct Contracted<T: Real, const K: usize> {
-    /// The span that psi belongs to: the one that was asked for last.
+    /// The span of time that psi belongs to.
     span: Option<usize>,
-    /// psi = Psi^T L.
-    psi: Vectors<T, K>,
-    axial: Vectors<T, AXIAL_MODES>,
+    /// psi = Psi^T L (eq. 24), of the shape.
+    psi: QuantizedVectors<T, K>,
+    /// The same of the translation.
+    axial: QuantizedVectors<T, AXIAL_MODES>,
 }
 
-/// The controls that were computed last: number b lies at b mod 4.
+/// The last four control vectors: number b is stored in row b mod 4.
 #[derive(Clone, Debug)]
 pub(crate) struct Controls<T, const K: usize> {
     numbers: [Option<usize>; ORDER],
     rows: [[T; K]; ORDER],
 }
 
-/// What is asked of the coefficients.
+/// A field of the capsule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     Displacement,
-    /// The velocity's coefficients are the rates of the displacement's.
+    /// Its coefficients are the derivatives of the displacement's in time.
     Velocity,
 }
 
-/// The interpolated motion, which both methods work on.
+impl Quantity {
+    /// QuantizedRef of the control vectors in the coefficients of the field.
+    pub(crate) fn factors<T>(self, splines: Splines<T>) -> [T; ORDER] {
+        match self {
+            Self::Displacement => splines.values,
+            Self::Velocity => splines.rates,
+        }
+    }
+}
+
+/// The interpolated motion of a query, which both methods work on.
 #[derive(Debug)]
 pub(crate) struct Motion<'a, 's, T: Real, const K: usize> {
-    /// The leading coefficients that are asked for, at most K: the translation and one a mode.
+    /// Number of leading coefficients, at most K: the translation's and one a mode.
     pub(crate) rank: usize,
     knots: MatrixView<'a>,
     spans: &'s [Span<'a>],
     axial_controls: MatrixView<'a>,
-    /// The samples that take part, and their weights.
+    /// Samples with a weight, and their weights.
     samples: &'s [u16],
     weights: &'s [T],
     contracted: &'s mut Contracted<T, K>,
@@ -59,25 +71,24 @@ pub(crate) struct Motion<'a, 's, T: Real, const K: usize> {
 impl<T: Real, const K: usize> Contracted<T, K> {
     pub(crate) const EMPTY: Self = Self {
         span: None,
-        psi: Vectors::ZERO,
-        axial: Vectors::ZERO,
+        psi: QuantizedVectors::ZERO,
+        axial: QuantizedVectors::ZERO,
     };
 
-    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    /// Writes the parts that are not zeros, see [`Workspace::put`](crate::Workspace::put), at an offset.
     pub(crate) fn put(parts: &mut impl Parts, at: usize) {
         parts.put(at + offset_of!(Self, span), None::<usize>);
     }
 
-    /// Takes the weights of a query, with which the translation's modes are contracted at once, for everything needs
-    /// them.
-    pub(crate) fn enter<const N: usize>(&mut self, field: &Field<'_>, weights: &Weights<T, N>) {
+    /// Sets the weights of a query: contracts the translation's parameter modes, and marks psi of the shape as unknown.
+    pub(crate) fn set_weights<const N: usize>(&mut self, field: &Field<'_>, weights: &Weights<T, N>) {
         self.span = None;
         let modes = MatrixView::new(&field.axial_modes);
         let values = slice_or_empty_mut(self.axial.values.as_flattened_mut(), 0..modes.columns());
-        let (samples, weights) = weights.parts();
+        let (samples, weights) = weights.as_slices();
         modes.combine(samples, weights, values);
         let controls = MatrixView::new(&field.axial_controls);
-        self.axial.ready(&controls, controls.columns());
+        self.axial.quantize(&controls, controls.columns());
     }
 }
 
@@ -87,24 +98,25 @@ impl<T: Real, const K: usize> Controls<T, K> {
         rows: [[T::ZERO; K]; ORDER],
     };
 
-    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    /// Writes the parts that are not zeros, see [`Workspace::put`](crate::Workspace::put), at an offset.
     pub(crate) fn put(parts: &mut impl Parts, at: usize) {
         parts.put(at + offset_of!(Self, numbers), [None::<usize>; ORDER]);
     }
 
-    /// Forgets the query.
+    /// Discards the control vectors.
     pub(crate) fn invalidate(&mut self) {
         self.numbers = [None; ORDER];
     }
 }
 
 impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
+    /// The motion of a field with the weights of a query.
     pub(crate) fn new<const N: usize>(
         field: &'s Field<'a>,
         weights: &'s Weights<T, N>,
         contracted: &'s mut Contracted<T, K>,
     ) -> Self {
-        let (samples, weights) = weights.parts();
+        let (samples, weights) = weights.as_slices();
         Self {
             rank: field.modes.columns as usize + 1,
             knots: MatrixView::new(&field.knots),
@@ -116,18 +128,18 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         }
     }
 
-    /// The same motion, of which no more leading coefficients are asked for.
-    pub(crate) fn leading(self, count: usize) -> Self {
+    /// The motion in at most so many leading coefficients.
+    pub(crate) fn truncate(self, count: usize) -> Self {
         Self {
             rank: self.rank.min(count),
             ..self
         }
     }
 
-    /// out <- the leading coefficients at `t` of a quantity, as many as `out` holds.
+    /// out <- the leading coefficients of a field at `t`.
     pub(crate) fn coefficients(&mut self, controls: &mut Controls<T, K>, t: T, quantity: Quantity, out: &mut [T]) {
-        let (splines, [a, b, c, d]) = self.enter(controls, t);
-        let [p, q, r, s] = splines.of(quantity);
+        let (splines, [a, b, c, d]) = self.load_window(controls, t);
+        let [p, q, r, s] = quantity.factors(splines);
         for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
             *out = (p * *a + q * *b) + (r * *c + s * *d);
         }
@@ -136,31 +148,31 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     /// The translation's coefficient at `t` alone.
     pub(crate) fn translation(&self, t: T, quantity: Quantity) -> T {
         let splines = Splines::at(&self.knots, t);
-        let [p, q, r, s] = splines.of(quantity);
-        let part = |factor: T, i| factor * self.axial_control(splines.first + i);
-        (part(p, 0) + part(q, 1)) + (part(r, 2) + part(s, 3))
+        let [p, q, r, s] = quantity.factors(splines);
+        let term = |factor: T, i| factor * self.axial_control(splines.first + i);
+        (term(p, 0) + term(q, 1)) + (term(r, 2) + term(s, 3))
     }
 
-    /// The splines that are not zero at `t`.
+    /// The splines that are nonzero at `t`.
     pub(crate) fn splines(&self, t: T) -> Splines<T> {
         Splines::at(&self.knots, t)
     }
 
-    /// Computes the controls of an instant that are not there yet.
-    fn enter<'c>(&mut self, controls: &'c mut Controls<T, K>, t: T) -> (Splines<T>, [&'c [T; K]; ORDER]) {
+    /// The splines and the four control vectors at an instant; computes those that are not stored.
+    fn load_window<'c>(&mut self, controls: &'c mut Controls<T, K>, t: T) -> (Splines<T>, [&'c [T; K]; ORDER]) {
         let splines = Splines::at(&self.knots, t);
         let numbers = controls.numbers.iter_mut().zip(&mut controls.rows).enumerate();
-        let turn = splines.first % ORDER;
-        for (place, (number, row)) in numbers {
-            // The only one of four successive numbers that lies here.
-            let wanted = splines.first + (place + ORDER - turn) % ORDER;
+        let offset = splines.first % ORDER;
+        for (slot, (number, row)) in numbers {
+            // The one of four successive numbers that is stored in this row.
+            let wanted = splines.first + (slot + ORDER - offset) % ORDER;
             if *number != Some(wanted) {
                 self.control(wanted, slice_or_empty_mut(row, 0..self.rank));
                 *number = Some(wanted);
             }
         }
         let [a, b, c, d] = &controls.rows;
-        let ordered = match turn {
+        let ordered = match offset {
             0 => [a, b, c, d],
             1 => [b, c, d, a],
             2 => [c, d, a, b],
@@ -169,7 +181,7 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
         (splines, ordered)
     }
 
-    /// out <- the leading entries of control number `b`, the translation's first; zeros beyond the last control.
+    /// out <- the leading entries of control vector `b`, the translation's first; zeros beyond the last vector.
     pub(crate) fn control(&mut self, b: usize, out: &mut [T]) {
         out.fill(T::ZERO);
         if let Some((translation, shape)) = out.split_first_mut() {
@@ -179,10 +191,10 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
     }
 
     fn axial_control(&self, b: usize) -> T {
-        self.axial_controls.dot(b, self.contracted.axial.factors())
+        self.axial_controls.dot(b, self.contracted.axial.quantized())
     }
 
-    /// out <- slice b times psi of its span, as far as there are rows.
+    /// out <- slice b of the core tensor times psi of its span of time (eq. 23).
     fn shape_control(&mut self, mut b: usize, out: &mut [T]) {
         for (number, span) in self.spans.iter().enumerate() {
             let slices = Indices::new(&span.slices);
@@ -190,26 +202,26 @@ impl<'a, 's, T: Real, const K: usize> Motion<'a, 's, T, K> {
                 b -= slices.len();
                 continue;
             }
-            let Contracted { span: known, psi, .. } = &mut *self.contracted;
+            let Contracted { span: current, psi, .. } = &mut *self.contracted;
             let modes = MatrixView::new(&span.parameter_modes);
             let core = MatrixView::new(&span.core);
-            if *known != Some(number) {
+            if *current != Some(number) {
                 let values = slice_or_empty_mut(psi.values.as_flattened_mut(), 0..modes.columns());
                 modes.combine(self.samples, self.weights, values);
-                psi.ready(&core, modes.columns());
-                *known = Some(number);
+                psi.quantize(&core, modes.columns());
+                *current = Some(number);
             }
             let mut counts = slices.iter();
             let first = counts.by_ref().take(b).sum();
             let rows = LANES * counts.next().unwrap_or_default();
             let rows = rows.min(out.len());
-            return multiply(&core, first, psi.factors(), slice_or_empty_mut(out, 0..rows));
+            return multiply(&core, first, psi.quantized(), slice_or_empty_mut(out, 0..rows));
         }
     }
 }
 
-/// out <- rows, from a panel on, times a vector.
-fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out: &mut [T]) {
+/// out <- the rows from panel `first` on times a vector.
+fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: QuantizedRef<'_, T>, out: &mut [T]) {
     let (panels, rest) = out.as_chunks_mut::<LANES>();
     rows.successive(first, x, panels.as_chunks_mut().0);
     if !rest.is_empty() {
@@ -220,10 +232,9 @@ fn multiply<T: Real>(rows: &MatrixView<'_>, first: usize, x: Factors<'_, T>, out
     }
 }
 
-/// How many of the leading coefficients leave no more than a length of the others: the modes are orthonormal, so what
-/// is left out moves the nodes by that length divided by sqrt(N_x), root mean square. A multiple of eight, if there are
-/// as many.
-pub(crate) fn leading<T: Real>(coefficients: &[T], length: T) -> usize {
+/// Number of leading coefficients such that the others have a norm of at most `length`: the modes are orthonormal, so
+/// leaving out the others moves the nodes by length / sqrt(N_x), root mean square. A multiple of eight, or all.
+pub(crate) fn significant_rank<T: Real>(coefficients: &[T], length: T) -> usize {
     const STEP: usize = 8;
     let mut budget = length * length;
     let mut count = coefficients.len();
@@ -231,7 +242,7 @@ pub(crate) fn leading<T: Real>(coefficients: &[T], length: T) -> usize {
         let shorter = (count - 1) / STEP * STEP;
         let last = slice_or_empty(coefficients, shorter..count);
         budget -= dot(last, last);
-        // Not a number counts as too much.
+        // A NaN exceeds the budget.
         if budget >= T::ZERO {
             count = shorter;
         } else {
@@ -246,7 +257,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_left_out_is_shorter_than_allowed() {
+    fn the_coefficients_left_out_are_shorter_than_allowed() {
         let coefficients: [f64; 21] = core::array::from_fn(|k| 0.5_f64.powi(k as i32));
         let rest = |from: usize| coefficients[from..].iter().map(|c| c * c).sum::<f64>().sqrt();
         for (length, expected) in [
@@ -256,8 +267,8 @@ mod tests {
             (1.01 * rest(8), 8),
             (9.0, 8),
         ] {
-            assert_eq!(leading(&coefficients, length), expected);
+            assert_eq!(significant_rank(&coefficients, length), expected);
         }
-        assert_eq!(leading(&[f64::NAN; 9], 1.0), 9);
+        assert_eq!(significant_rank(&[f64::NAN; 9], 1.0), 9);
     }
 }

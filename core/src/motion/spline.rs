@@ -2,12 +2,11 @@
 
 use crate::Real;
 use crate::model::MatrixView;
-use crate::motion::Quantity;
 
-/// Functions that are not zero in an interval between knots.
+/// Order of the splines: number of them that are nonzero between two knots.
 pub(crate) const ORDER: usize = 4;
 
-/// The B-splines that are not zero at an instant: numbers `first` to `first + 3`, their values and their rates.
+/// The B-splines that are nonzero at an instant, numbers `first` to `first + 3`: values, and derivatives in time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Splines<T> {
     pub(crate) first: usize,
@@ -16,18 +15,10 @@ pub(crate) struct Splines<T> {
 }
 
 impl<T: Real> Splines<T> {
-    /// What the controls are multiplied with.
-    pub(crate) fn of(&self, quantity: Quantity) -> [T; ORDER] {
-        match quantity {
-            Quantity::Displacement => self.values,
-            Quantity::Velocity => self.rates,
-        }
-    }
-
     /// The splines of validated knots at t in [0, T].
     pub(crate) fn at(knots: &MatrixView<'_>, t: T) -> Self {
         let knot = |i: usize| T::from_f32(knots.get(i, 0));
-        // t lies in [knot(low), knot(low + 1)), or at its end.
+        // Bisection: t lies in [knot(low), knot(low + 1)), or at the end of the last interval.
         let (mut low, mut high) = (ORDER - 1, knots.rows().saturating_sub(ORDER).max(ORDER));
         while high - low > 1 {
             let middle = (low + high) / 2;
@@ -36,7 +27,7 @@ impl<T: Real> Splines<T> {
         // The six knots around the interval: t_-2 to t_3.
         let [a, b, c, d, e, f] = core::array::from_fn(|i| knot(low - 2 + i));
         let share = |start: T, end: T| (t - start) / (end - start);
-        // Degree 1, 2 and 3: each spline is a mean of the two below it (eq. X.15 there).
+        // Degrees 1, 2 and 3: each spline is a convex combination of two of the degree below (eq. X.15 there).
         let [one_b, one_c] = [T::ONE - share(c, d), share(c, d)];
         let (left, right) = (share(b, d), share(c, e));
         let two = [
@@ -51,7 +42,8 @@ impl<T: Real> Splines<T> {
             middle * two[1] + (T::ONE - right) * two[2],
             right * two[2],
         ];
-        // The rate of a spline of degree 3 is 3 times the difference of those of degree 2 over their supports (X.12).
+        // The derivative of a spline of degree 3 is 3 times the difference of two of degree 2, each divided by the
+        // length of its support (X.12).
         let three = T::from_f32(3.0);
         let slopes = [
             three * two[0] / (d - a),

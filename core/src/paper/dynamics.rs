@@ -1,46 +1,48 @@
 //! Reduced time stepping (Algorithm 2 of the paper, eqs. 47 to 49).
 //!
-//! The velocities of the data are the true ones, not difference quotients, and those fall from the start as fast as the
-//! membrane relaxes. Forward Euler is stable there with very small steps only, so a step is divided into as many equal
-//! parts as the learned manifold needs where it is.
+//! The velocities of the data are those of the full-order model, not difference quotients. From the start they decay as
+//! fast as the membrane relaxes, where forward Euler is stable for very small steps only. So a step is divided into equal
+//! substeps, as many as the local relaxation rate of the learned manifold needs.
 
 use crate::linalg::{add_scaled, dot, slice_or_empty_mut};
 use crate::model::wire::Paper;
 use crate::motion::{Controls, Motion, Quantity};
-use crate::paper::basis::{Basis, Learning};
-use crate::paper::manifold::{Manifold, Snapshot, Times};
-use crate::workspace::{Factor, PAPER_ROW, Parts};
+use crate::paper::basis::{Basis, BasisStage};
+use crate::paper::manifold::{Manifold, Snapshot};
+use crate::paper::times::Times;
+use crate::paper::{Factor, PAPER_ROW};
+use crate::parts::Parts;
 use crate::{Real, Scheme};
 use core::mem::offset_of;
 
-/// Step times relaxation rate that a part of a step may have: Euler damps without oscillation up to 1, and errs little
-/// far below.
+/// Maximum of substep times relaxation rate. Forward Euler damps without oscillation up to 1, and its error is small far
+/// below.
 const STABLE: f32 = 0.25;
-/// The most parts of a step.
-const MAX_PARTS: usize = 64;
+/// Maximum number of substeps of a step.
+const MAX_SUBSTEPS: usize = 64;
 
-/// What is to be done next.
+/// The next piece of work.
 #[derive(Clone, Copy, Debug)]
 enum Stage<T> {
     /// The basis of a field, the displacement's first.
-    Basis(Quantity, Learning<T>),
+    Basis(Quantity, BasisStage<T>),
     Steps,
 }
 
 impl<T> Stage<T> {
-    const START: Self = Self::Basis(Quantity::Displacement, Learning::START);
+    const START: Self = Self::Basis(Quantity::Displacement, BasisStage::START);
 }
 
-/// How time is stepped.
+/// Length and scheme of a step in time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step<T> {
     pub(crate) length: T,
     pub(crate) scheme: Scheme,
 }
 
-/// The interpolated motion that is learned from, with the settings.
+/// The interpolated motion that the local model is computed from, with the settings.
 pub(crate) struct Source<'m, 'a, 's, T: Real, const K: usize> {
-    /// As many coefficients as the method works in, one of them the translation's.
+    /// Truncated to the coefficients that the method works in, the translation's among them.
     pub(crate) motion: Motion<'a, 's, T, K>,
     pub(crate) controls: &'m mut Controls<T, K>,
     /// The stored instants.
@@ -49,14 +51,14 @@ pub(crate) struct Source<'m, 'a, 's, T: Real, const K: usize> {
 }
 
 impl<T: Real, const K: usize> Source<'_, '_, '_, T, K> {
-    /// out <- coefficients at a stored instant, as many as it holds.
+    /// out <- the leading coefficients at a stored instant.
     fn at_instant(&mut self, instant: usize, quantity: Quantity, out: &mut [T]) {
         let t = self.times.get(instant);
         self.motion.coefficients(self.controls, t, quantity, out);
     }
 }
 
-/// The local reduced model of a query and its state after a whole number of steps.
+/// The local reduced model of a query and its state alpha after a number of steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<T, const M: usize> {
     stage: Stage<T>,
@@ -80,13 +82,13 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         alpha: [T::ZERO; M],
     };
 
-    /// Hands out what is no number, as [`Workspace::put`](crate::Workspace::put), from an offset on.
+    /// Writes the parts that are not zeros, see [`Workspace::put`](crate::Workspace::put), at an offset.
     pub(crate) fn put(parts: &mut impl Parts, at: usize) {
         parts.put(at + offset_of!(Self, stage), Stage::<T>::START);
         Manifold::<T, M>::put(parts, at + offset_of!(Self, manifold));
     }
 
-    /// Forgets the query.
+    /// Discards the local model: the next query computes its own.
     pub(crate) fn invalidate(&mut self) {
         self.stage = Stage::START;
     }
@@ -114,12 +116,12 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         out: &mut [T],
     ) {
         let alpha = self.state(source, step, t, scratch);
-        self.enter(source, t);
+        self.move_window(source, t);
         let xi = self.manifold.velocity(t, &alpha);
         self.velocity.lift(&xi, out);
     }
 
-    /// Steps to the last whole step before `t` and returns alpha at `t`.
+    /// Steps to the last whole step before `t`; returns alpha at `t` by a shorter step from there.
     fn state<const K: usize>(
         &mut self,
         source: &mut Source<'_, '_, '_, T, K>,
@@ -132,8 +134,8 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         self.march(source, step.scheme, start, t - start)
     }
 
-    /// Does one piece of the work that leads to the last whole step before `t`; returns whether nothing is left to do.
-    /// Starts again where `t` lies before the state.
+    /// Does one piece of the work up to the last whole step before `t`; returns true when nothing is left to do. Starts
+    /// again at t = 0 where `t` lies before the state.
     pub(crate) fn advance<const K: usize>(
         &mut self,
         source: &mut Source<'_, '_, '_, T, K>,
@@ -143,18 +145,18 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
     ) -> bool {
         let (instants, rank) = (source.times.count(), source.motion.rank);
         match &mut self.stage {
-            Stage::Basis(quantity, learning) => {
+            Stage::Basis(quantity, stage) => {
                 let quantity = *quantity;
                 let (basis, wanted) = match quantity {
                     Quantity::Displacement => (&mut self.displacement, source.settings.displacement_rank),
                     Quantity::Velocity => (&mut self.velocity, source.settings.velocity_rank),
                 };
                 let fetch = |instant, out: &mut [T]| source.at_instant(instant, quantity, out);
-                let more = basis.learn(learning, rank, fetch, instants, wanted as usize, scratch);
+                let more = basis.step(stage, rank, fetch, instants, wanted as usize, scratch);
                 match (more, quantity) {
                     (Some(()), _) => {}
                     (None, Quantity::Displacement) => {
-                        self.stage = Stage::Basis(Quantity::Velocity, Learning::START);
+                        self.stage = Stage::Basis(Quantity::Velocity, BasisStage::START);
                     }
                     (None, Quantity::Velocity) => {
                         self.couple(source);
@@ -178,8 +180,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         false
     }
 
-    /// alpha after a time from the state at `start`, in as many parts as stability needs (eq. 48), each by the
-    /// scheme.
+    /// alpha a time `length` after the state at `start` (eq. 48), in as many substeps of the scheme as stability needs.
     fn march<const K: usize>(
         &mut self,
         source: &mut Source<'_, '_, '_, T, K>,
@@ -187,29 +188,29 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         start: T,
         length: T,
     ) -> [T; M] {
-        self.enter(source, start);
-        let parts = (self.manifold.stiffness() * length / T::from_f32(STABLE))
+        self.move_window(source, start);
+        let substeps = (self.manifold.stiffness() * length / T::from_f32(STABLE))
             .to_index()
-            .clamp(0, MAX_PARTS - 1)
+            .clamp(0, MAX_SUBSTEPS - 1)
             + 1;
-        let part = length / T::from_index(parts);
+        let substep = length / T::from_index(substeps);
         let mut alpha = self.alpha;
-        for done in 0..parts {
-            let t = start + T::from_index(done) * part;
+        for done in 0..substeps {
+            let t = start + T::from_index(done) * substep;
             let (from, mut rate) = (alpha, [T::ZERO; M]);
-            for (place, divisor) in scheme.stages() {
-                let (ahead, weight) = (T::from_f32(*place) * part, part / T::from_f32(*divisor));
+            for (node, divisor) in scheme.stages() {
+                let (ahead, weight) = (T::from_f32(*node) * substep, substep / T::from_f32(*divisor));
                 let mut stage = from;
                 add_scaled(&mut stage, ahead, &rate);
-                self.enter(source, t + ahead);
-                rate = self.manifold.rate(t + ahead, part, &stage);
+                self.move_window(source, t + ahead);
+                rate = self.manifold.rate(t + ahead, substep, &stage);
                 add_scaled(&mut alpha, weight, &rate);
             }
         }
         alpha
     }
 
-    /// Q of the query; the state at t = 0.
+    /// Computes Q of the query and sets the state at t = 0.
     fn couple<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>) {
         self.q = [[T::ZERO; M]; M];
         for (q, u) in self.q.iter_mut().zip(self.displacement.rows()) {
@@ -222,15 +223,15 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
         self.start(source);
     }
 
-    /// The state at t = 0: alpha^D(0), which holds the initial shape.
+    /// Sets the state at t = 0 to alpha^D(0), the initial shape.
     fn start<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>) {
-        self.enter(source, T::ZERO);
+        self.move_window(source, T::ZERO);
         self.steps = 0;
         self.alpha = self.manifold.start();
     }
 
-    /// Brings the learned manifold to `t`.
-    fn enter<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>, t: T) {
+    /// Moves the window of the learned manifold to `t`.
+    fn move_window<const K: usize>(&mut self, source: &mut Source<'_, '_, '_, T, K>, t: T) {
         let Self {
             displacement,
             velocity,
@@ -239,7 +240,7 @@ impl<T: Real, const M: usize> Dynamics<T, M> {
             ..
         } = self;
         let (times, width) = (source.times, T::from_f64(source.settings.window));
-        manifold.enter(&times, width, t, |instant, out| {
+        manifold.move_to(&times, width, t, |instant, out| {
             snapshot(source, displacement, velocity, q, instant, out)
         });
     }

@@ -1,4 +1,5 @@
-//! From reduced coordinates to what is seen: nodes, outlines, sections, volume, lengths.
+//! From coefficients of the modes to the surface: `reconstruct` computes nodes and outlines, `playback` successive frames
+//! of all nodes, `quadrature` integrals over the elements, `observables` the lengths, and `section` a cut by a plane.
 
 pub(crate) mod observables;
 pub(crate) mod playback;

@@ -1,15 +1,15 @@
-//! Scalars that describe the capsule at an instant.
+//! Lengths and velocity of the capsule at an instant.
 
 use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
 use crate::surface::reconstruct::{Plane, Snapshot};
 
-/// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are from the two section
-/// outlines; extremes are those of the parabola through the extreme node of an outline and its two neighbours, the
-/// nodes taken as equidistant. A model without outlines has the extents of its nodes: half the extent along y for the
-/// half width, half the extent along the direction y = z for the half diagonal, and for the rear pole the point at
-/// which the parallel to the axis through the middle of the extents enters the surface.
+/// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are those of the two outlines; an
+/// extreme is the vertex of the parabola through the extreme node of an outline and its two neighbours, taken as
+/// equidistant. For a model without outlines they are the extents of all nodes: half the extent along y is the half width,
+/// half the extent along the direction y = z the half diagonal, and the rear pole is the point where the parallel to the
+/// axis through the middle of the extents enters the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observables<T> {
     /// max x - min x over both outlines.
@@ -26,7 +26,7 @@ pub struct Observables<T> {
     pub centroid: T,
 }
 
-/// The lengths among them.
+/// The lengths of [`Observables`].
 pub(crate) struct Lengths<T> {
     pub(crate) axial_length: T,
     pub(crate) rear_depth: T,
@@ -35,7 +35,7 @@ pub(crate) struct Lengths<T> {
 }
 
 impl<T: Real> Lengths<T> {
-    /// Reconstructs the nodes of the outlines, or all, one at a time.
+    /// Reconstructs the nodes of the outlines, or all nodes, one at a time.
     #[inline(never)]
     pub(crate) fn new(model: &Model<'_>, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let (Some(midplane), Some(diagonal)) = (model.node_set(MIDPLANE), model.node_set(DIAGONAL)) else {
@@ -49,8 +49,7 @@ impl<T: Real> Lengths<T> {
         Self::between(axial, half_width, half_diagonal)
     }
 
-    /// From the foremost place on the axis, the rearmost one and the rear pole. Between places that are finite it may
-    /// be farther than a number says.
+    /// Lengths from the greatest x, the least x and the x of the rear pole. Differences of finite numbers may overflow.
     #[inline(never)]
     fn between([front, rear, rear_pole]: [T; 3], half_width: T, half_diagonal: T) -> Result<Self, EvaluateError> {
         let (axial_length, rear_depth) = (front - rear, rear_pole - rear);
@@ -64,7 +63,7 @@ impl<T: Real> Lengths<T> {
         })
     }
 
-    /// From all nodes of a mesh that has no outlines.
+    /// Lengths of a mesh without outlines, from all its nodes.
     #[inline(never)]
     fn of_all(snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let mesh = &snapshot.mesh;
@@ -85,9 +84,9 @@ impl<T: Real> Lengths<T> {
         for element in mesh.elements() {
             for part in mesh.flat_parts() {
                 let mut corners = [[T::ZERO; 3]; 3];
-                for (corner, place) in corners.iter_mut().zip(part) {
-                    // Places are below 6: no panic is linked.
-                    *corner = snapshot.node(element.get(*place).copied().unwrap_or_default().into())?;
+                for (corner, index) in corners.iter_mut().zip(part) {
+                    // The index is below 6, which the compiler does not know: no panic is linked.
+                    *corner = snapshot.node(element.get(*index).copied().unwrap_or_default().into())?;
                 }
                 rear_pole = rear_pole.min(axial_crossing(corners, axis));
             }
@@ -108,7 +107,7 @@ fn axial_crossing<T: Real>(corners: [[T; 3]; 3], [y, z]: [T; 2]) -> T {
     let of_c = double_area(a, b, point);
     let whole = of_a + of_b + of_c;
     let x = (of_a * xa + of_b * xb + of_c * xc) / whole;
-    // A point inside leaves no part of another sign than the whole.
+    // Inside, all partial areas have the sign of the whole.
     let inside = of_a * whole >= T::ZERO && of_b * whole >= T::ZERO && of_c * whole >= T::ZERO;
     if inside && x.is_finite() {
         x
@@ -117,47 +116,47 @@ fn axial_crossing<T: Real>(corners: [[T; 3]; 3], [y, z]: [T; 2]) -> T {
     }
 }
 
-/// What is greatest along an outline: x, -x and r; and the x of its end.
+/// Maxima along an outline: of x, -x and r; and the x of its end.
 struct Outline<T> {
-    greatest: [Greatest<T>; 3],
+    maxima: [Maximum<T>; 3],
     rear_pole: T,
 }
 
 impl<T: Real> Outline<T> {
     fn new(nodes: Indices<'_>, plane: Plane, snapshot: &Snapshot<'_, '_, T>) -> Result<Self, EvaluateError> {
         let mut outline = Self {
-            greatest: [Greatest::NONE; 3],
+            maxima: [Maximum::NONE; 3],
             rear_pole: T::ZERO,
         };
-        let mut walk = snapshot.walk();
+        let mut cache = snapshot.panel_cache();
         for node in nodes.iter() {
-            let [x, r] = walk.axial_radial(node, plane)?;
-            for (greatest, value) in outline.greatest.iter_mut().zip(&[x, -x, r]) {
-                greatest.push(*value);
+            let [x, r] = cache.axial_radial(node, plane)?;
+            for (maximum, value) in outline.maxima.iter_mut().zip(&[x, -x, r]) {
+                maximum.push(*value);
             }
             outline.rear_pole = x;
         }
         Ok(outline)
     }
 
-    /// The values that are greatest.
+    /// The three maxima.
     fn extremes(&self) -> [T; 3] {
-        let [front, back, radius] = &self.greatest;
+        let [front, back, radius] = &self.maxima;
         [front.value(), back.value(), radius.value()]
     }
 }
 
-/// The greatest of a sequence of values, with its two neighbours. Beyond its ends, which are the poles, an outline
-/// goes on as its mirror image, so that a neighbour is missing at an end only, where the parabola's vertex is the node.
+/// Maximum of a sequence of values, with its two neighbours. A neighbour is missing at an end only. There, at a pole, the
+/// outline continues as its mirror image, so the vertex of the parabola is the node.
 #[derive(Clone, Copy)]
-struct Greatest<T> {
+struct Maximum<T> {
     last: [Option<T>; 2],
     before: Option<T>,
     greatest: Option<T>,
     after: Option<T>,
 }
 
-impl<T: Real> Greatest<T> {
+impl<T: Real> Maximum<T> {
     const NONE: Self = Self {
         last: [None; 2],
         before: None,
@@ -200,9 +199,9 @@ mod tests {
     #[test]
     fn the_parabola_s_vertex() {
         let vertex = |values: &[f64]| {
-            let mut greatest = Greatest::NONE;
-            values.iter().for_each(|&value| greatest.push(value));
-            greatest.value()
+            let mut maximum = Maximum::NONE;
+            values.iter().for_each(|&value| maximum.push(value));
+            maximum.value()
         };
         let parabola = |i: f64| 3.0 - (i - 1.2) * (i - 1.2);
         assert!((vertex(&[0.0, 1.0, 2.0, 3.0].map(parabola)) - 3.0).abs() < 1e-15);

@@ -1,98 +1,100 @@
-//! Frames of one motion, one after the other.
+//! Successive frames of one motion.
 //!
-//! Between knots the surface is a combination of four surfaces, those of the controls that are not zero there: a frame
-//! costs four multiplications a number, whatever the number of modes. The surfaces of four successive controls are
-//! computed together, when the first of them is needed, and two such groups hold all that an instant needs.
+//! Between two knots the surface is a linear combination of four surfaces, those of the control vectors with nonzero
+//! splines there: a frame costs four multiplications a number, for any number of modes. The surfaces of four successive
+//! control vectors are computed together, when the first of them is needed; two such groups hold the four of any instant.
 
 use crate::Real;
 use crate::error::EvaluateError;
-use crate::linalg::{IN_PAIRS, LANES, in_vectors, slice_or_empty, slice_or_empty_mut};
-use crate::model::{MatrixView, Mesh, Model, Vectors, components};
+use crate::linalg::{LANES, TWO_PANELS, in_vectors, slice_or_empty, slice_or_empty_mut};
+use crate::model::wire::Cluster;
+use crate::model::{MatrixView, Mesh, Model, QuantizedVectors, components};
 use crate::motion::spline::ORDER;
 use crate::motion::{Motion, Quantity};
-use crate::surface::reconstruct::{Snapshot, room};
-use crate::workspace::{Prepared, Workspace};
+use crate::query::Prepared;
+use crate::surface::reconstruct::{Snapshot, prefix_mut};
 
-/// Groups of four controls that are kept.
+/// Number of cached groups of four control vectors.
 const GROUPS: usize = 2;
-/// Surfaces that are kept: those of the controls.
+/// Number of cached surfaces.
 const SURFACES: usize = GROUPS * ORDER;
 
-/// State kept from frame to frame for [`Evaluator::frame`](crate::Evaluator::frame), in storage of the caller's: an
-/// array, a slice, a vector.
+/// Cache of [`Evaluator::frame`](crate::Evaluator::frame) between frames, in the caller's storage: an array, a slice or a
+/// vector of [`playback_len`] numbers.
 #[derive(Clone, Debug)]
 pub struct Playback<T, R> {
-    room: R,
-    /// The query whose surfaces these are.
+    storage: R,
+    /// The query of the cached surfaces.
     prepared: Option<Prepared<T>>,
-    /// Group number g lies at g mod 2.
+    /// Numbers of the cached groups: group g is stored at g mod 2.
     groups: [Option<usize>; GROUPS],
 }
 
-/// Numbers that frames of a model need room for.
+/// Numbers of storage that a [`Playback`] of a model needs.
 pub fn playback_len(model: &Model<'_>) -> usize {
-    let surface = surface(&model.mesh());
-    SURFACES * surface + frame(surface)
+    let surface = surface_len(&model.mesh());
+    SURFACES * surface + frame_len(surface)
 }
 
 impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
-    /// Nothing is kept yet. `room` holds at least as many numbers as [`playback_len`] says.
-    pub const fn new(room: R) -> Self {
+    /// An empty cache in a storage of at least [`playback_len`] numbers.
+    pub const fn new(storage: R) -> Self {
         Self {
-            room,
+            storage,
             prepared: None,
             groups: [None; GROUPS],
         }
     }
 
-    /// Positions of all nodes at `t`.
-    pub(crate) fn positions<const K: usize, const M: usize, const N: usize, const S: usize>(
+    /// Positions of all nodes at `t`, translated along the axis; returns their number.
+    ///
+    /// # Errors
+    /// [`EvaluateError::BufferTooShort`]; [`EvaluateError::NotFinite`].
+    pub(crate) fn positions<const K: usize>(
         &mut self,
         model: &Model<'_>,
-        workspace: &mut Workspace<T, K, M, N, S>,
+        cluster: &Cluster<'_>,
+        mut motion: Motion<'_, '_, T, K>,
         prepared: Prepared<T>,
         [t, translation]: [T; 2],
         out: &mut [[T; 3]],
     ) -> Result<usize, EvaluateError> {
-        let surface = surface(&model.mesh());
-        let cluster = model.cluster(&prepared.query.parameters);
-        let cluster = cluster.ok_or(EvaluateError::NotPrepared)?;
-        let kept = room(self.room.as_mut(), SURFACES * surface + frame(surface))?;
-        let out = room(out, model.mesh().nodes())?;
+        let surface = surface_len(&model.mesh());
+        let storage = prefix_mut(self.storage.as_mut(), SURFACES * surface + frame_len(surface))?;
+        let out = prefix_mut(out, model.mesh().nodes())?;
         if self.prepared != Some(prepared) {
             (self.prepared, self.groups) = (Some(prepared), [None; GROUPS]);
         }
-        let (controls, frame) = kept.split_at_mut(SURFACES * surface);
+        let (controls, frame) = storage.split_at_mut(SURFACES * surface);
 
-        let mut motion = Motion::new(&cluster.field, &workspace.weights, &mut workspace.contracted);
         let splines = motion.splines(t);
         let first = splines.first;
         let last = first + ORDER - 1;
         for group in first / ORDER..=last / ORDER {
             let surfaces = controls.chunks_exact_mut(ORDER * surface).zip(&mut self.groups);
-            let Some((surfaces, known)) = surfaces.into_iter().nth(group % GROUPS) else {
+            let Some((surfaces, cached)) = surfaces.into_iter().nth(group % GROUPS) else {
                 continue;
             };
-            if *known != Some(group) {
+            if *cached != Some(group) {
                 let modes = MatrixView::new(&cluster.field.modes);
                 let coefficients = coefficients(&mut motion, &modes, group);
                 let snapshot = Snapshot {
                     mesh: model.mesh(),
                     modes,
-                    coefficients: coefficients.factors(),
+                    coefficients: coefficients.quantized(),
                     scale: model.scale(&prepared.query.parameters),
                     translation: T::ZERO,
                 };
                 compute(&snapshot, surfaces, surface);
-                *known = Some(group);
+                *cached = Some(group);
             }
         }
         let control = |i: usize| {
             let start = (first + i) % SURFACES * surface;
             slice_or_empty(controls, start..start + surface)
         };
-        let weights = splines.of(Quantity::Displacement);
-        if !combine(weights, [0, 1, 2, 3].map(control), translation, frame) {
+        let factors = Quantity::Displacement.factors(splines);
+        if !combine(factors, [0, 1, 2, 3].map(control), translation, frame) {
             return Err(EvaluateError::NotFinite);
         }
         mirror(&model.mesh(), frame, out);
@@ -101,23 +103,23 @@ impl<T: Real, R: AsMut<[T]>> Playback<T, R> {
 }
 
 /// Numbers of a surface: components of the sector's nodes in whole panels, all x before all y before all z.
-fn surface(mesh: &Mesh<'_>) -> usize {
+fn surface_len(mesh: &Mesh<'_>) -> usize {
     3 * LANES * mesh.panels()
 }
 
 /// Numbers of a frame: x, y, z, -y and -z of the sector's nodes.
-fn frame(surface: usize) -> usize {
+fn frame_len(surface: usize) -> usize {
     5 * surface / 3
 }
 
-/// Coefficients of the modes, of a group of controls, as far as they are not zero, ready for products.
+/// Coefficients of a group of control vectors up to the last nonzero one, quantised for products with the modes.
 #[inline(never)]
 fn coefficients<T: Real, const K: usize>(
     motion: &mut Motion<'_, '_, T, K>,
     modes: &MatrixView<'_>,
     group: usize,
-) -> Vectors<T, K, ORDER> {
-    let mut coefficients = Vectors::ZERO;
+) -> QuantizedVectors<T, K, ORDER> {
+    let mut coefficients = QuantizedVectors::ZERO;
     let mut control = [T::ZERO; K];
     for i in 0..ORDER {
         motion.control(ORDER * group + i, &mut control);
@@ -128,16 +130,16 @@ fn coefficients<T: Real, const K: usize>(
     }
     let last = coefficients.values.iter().rposition(|all| *all != [T::ZERO; ORDER]);
     let count = last.map_or(0, |last| last + 1);
-    coefficients.ready(modes, count);
+    coefficients.quantize(modes, count);
     coefficients
 }
 
-/// Computes a group of surfaces.
+/// surfaces <- the surfaces of a group of control vectors.
 fn compute<T: Real>(snapshot: &Snapshot<'_, '_, T, ORDER>, surfaces: &mut [T], surface: usize) {
     let panels = snapshot.mesh.panels();
-    let mut places = (0..3).flat_map(|axis| (0..panels).map(move |panel| (axis, panel)));
-    while let Some(first) = places.next() {
-        match if IN_PAIRS { places.next() } else { None } {
+    let mut pairs = (0..3).flat_map(|axis| (0..panels).map(move |panel| (axis, panel)));
+    while let Some(first) = pairs.next() {
+        match if TWO_PANELS { pairs.next() } else { None } {
             Some(second) => compute_panels(snapshot, [first, second], surfaces, surface),
             None => compute_panels(snapshot, [first], surfaces, surface),
         }
@@ -147,11 +149,11 @@ fn compute<T: Real>(snapshot: &Snapshot<'_, '_, T, ORDER>, surfaces: &mut [T], s
 #[inline(always)]
 fn compute_panels<T: Real, const P: usize>(
     snapshot: &Snapshot<'_, '_, T, ORDER>,
-    places: [(usize, usize); P],
+    pairs: [(usize, usize); P],
     surfaces: &mut [T],
     surface: usize,
 ) {
-    for ((axis, panel), values) in places.into_iter().zip(snapshot.panels(places)) {
+    for ((axis, panel), values) in pairs.into_iter().zip(snapshot.panels(pairs)) {
         let first = LANES * (axis * snapshot.mesh.panels() + panel);
         for (values, surface) in values.iter().zip(surfaces.chunks_exact_mut(surface)) {
             slice_or_empty_mut(surface, first..first + LANES).copy_from_slice(values);
@@ -159,7 +161,8 @@ fn compute_panels<T: Real, const P: usize>(
     }
 }
 
-/// frame <- a combination of surfaces, moved along x, and -y and -z of it. Says whether all is finite.
+/// frame <- a linear combination of surfaces, translated along x, followed by its -y and -z. Returns whether all numbers
+/// are finite.
 fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], translation: T, frame: &mut [T]) -> bool {
     in_vectors(
         #[inline(always)]
@@ -171,17 +174,17 @@ fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], trans
             x.iter_mut().for_each(|x| *x += translation);
             let (yz, opposite) = others.split_at_mut(2 * x.len());
             opposite.iter_mut().zip(&*yz).for_each(|(opposite, x)| *opposite = -*x);
-            // Without a way out the loop is done in vectors.
+            // No early exit, so that the loop vectorises.
             frame.iter().fold(true, |finite, x| finite & x.is_finite())
         },
     )
 }
 
-/// Carries the sector's nodes to all nodes. `sector` holds x, y, z, -y and -z, so that an operation is a choice of two
-/// of them.
+/// out <- the images of the sector's nodes. `sector` holds x, y, z, -y and -z, so a symmetry operation selects two of the
+/// last four.
 fn mirror<T: Real>(mesh: &Mesh<'_>, sector: &[T], out: &mut [[T; 3]]) {
     let stride = LANES * mesh.panels();
-    let values = |place: usize| slice_or_empty(sector, stride * place..stride * (place + 1));
+    let values = |component: usize| slice_or_empty(sector, stride * component..stride * (component + 1));
     for (operation, images) in mesh.images() {
         let [y, z] = components(operation).map(|(axis, opposite)| values(if opposite { axis + 2 } else { axis }));
         for (((image, x), y), z) in images.iter().zip(values(0)).zip(y).zip(z) {

@@ -4,8 +4,8 @@ use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
 
-/// The quadrature of degree 4 with six points (Dunavant, 1985): two barycentric weights of a point, the third, and its
-/// own weight for the unit triangle of area 1/2; three points each.
+/// Quadrature of degree 4 with six points (Dunavant, 1985), in two orbits of three: the barycentric coordinate that two of
+/// three share, the third one, and the weight for the unit triangle of area 1/2.
 const QUADRATURE: [[f64; 3]; 2] = [
     [
         0.445_948_490_915_965,
@@ -22,7 +22,7 @@ const QUADRATURE: [[f64; 3]; 2] = [
 /// A quadrature point of an element.
 pub(crate) struct Point<T> {
     pub(crate) weight: T,
-    /// The shape functions of the six nodes; those of a flat triangle's missing mid-edges are 0.
+    /// Shape functions of the six nodes; 0 for the missing mid-edge nodes of a flat triangle.
     pub(crate) shape: [T; 6],
     /// Their derivatives by the barycentric coordinates l1 and l2, with l0 = 1 - l1 - l2.
     pub(crate) gradient: [[T; 6]; 2],
@@ -62,7 +62,7 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// The same point of a flat triangle.
+    /// The point with the shape functions of a flat triangle.
     fn flat(self) -> Self {
         let [zero, one] = [T::ZERO, T::ONE];
         let [a, b, c, ab, bc, ca] = self.shape;
@@ -81,7 +81,7 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// All points of an element that has its mid-edges, or of a flat one.
+    /// All points of a quadratic element, or of a flat triangle.
     fn all(flat: bool) -> [Self; 6] {
         let [first, second] = QUADRATURE;
         core::array::from_fn(|index| {
@@ -95,7 +95,7 @@ impl<T: Real> Point<T> {
         })
     }
 
-    /// The derivatives of what the nodes of the element know: of positions its two tangents.
+    /// Derivatives of a field given at the six nodes: for positions the two tangents.
     pub(crate) fn derivatives<const W: usize>(&self, nodes: &[[T; W]; 6]) -> [[T; W]; 2] {
         let mut derivatives = [[T::ZERO; W]; 2];
         for (derivative, gradient) in derivatives.iter_mut().zip(&self.gradient) {
@@ -112,10 +112,11 @@ fn combine<T: Real>(weights: &[T; 6], value: impl Fn(usize) -> T) -> T {
     (0..6).map(|i| weights[i] * value(i)).sum()
 }
 
-/// Sums over the elements and their quadrature points of `weight * integrand`, given what the element's six nodes know.
+/// Integrals over the surface: sums of `weight * integrand` over the elements and their quadrature points. `node` gives `W`
+/// values at a node; the integrand receives those of the element's six nodes.
 ///
 /// # Errors
-/// Those of `node`; a sum that is not finite.
+/// Those of `node`; [`EvaluateError::NotFinite`].
 pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
     mesh: &Mesh<'_>,
     node: impl Fn(usize) -> Result<[T; W], EvaluateError>,
@@ -124,8 +125,8 @@ pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
     let mut sums = [T::ZERO; R];
     let share = visit(mesh, &mut |element, points| {
         let mut nodes = [[T::ZERO; W]; 6];
-        for (known, index) in nodes.iter_mut().zip(&element) {
-            *known = node((*index).into())?;
+        for (values, index) in nodes.iter_mut().zip(&element) {
+            *values = node((*index).into())?;
         }
         let mut own = [T::ZERO; R];
         for point in points {
@@ -140,11 +141,11 @@ pub(crate) fn integrate<T: Real, const W: usize, const R: usize>(
     finite(sums)
 }
 
-/// What is done at an element, given its nodes and quadrature points.
+/// Function of an element's nodes and quadrature points.
 type Visit<'v, T> = dyn FnMut([u16; 6], &[Point<T>; 6]) -> Result<(), EvaluateError> + 'v;
 
-/// Visits the elements; where the mesh is symmetric to y = 0 and z = 0, those of a quarter. Returns how often they make
-/// up the surface.
+/// Visits the elements, or those of a quarter where the mesh is symmetric to y = 0 and z = 0. Returns the ratio of the
+/// whole surface to the visited part, 1 or 4.
 fn visit<T: Real>(mesh: &Mesh<'_>, visit: &mut Visit<'_, T>) -> Result<T, EvaluateError> {
     let points = Point::all(mesh.element_nodes() == 3);
     let quarter = |element: &[u16; 6]| element.iter().all(|&node| in_quarter(mesh, node.into()));
@@ -168,13 +169,13 @@ fn in_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
     })
 }
 
-/// Whether a node that is not in the quarter takes its value from a node that is.
+/// Whether a node lies in the quarter, or is the image of a sector node that does.
 fn mirrored_from_quarter(mesh: &Mesh<'_>, node: usize) -> bool {
     let sector_node = mesh.origin(node).and_then(|(index, _)| mesh.sector_nodes().get(index));
     in_quarter(mesh, node) || sector_node.is_some_and(|sector_node| in_quarter(mesh, sector_node))
 }
 
-/// Volume within a closed surface, exactly: the integrand x n_x is of degree 4 on each element.
+/// Volume within a closed surface. The quadrature is exact: the integrand x n_x has degree 4 on each element.
 ///
 /// # Errors
 /// Those of `node`; [`EvaluateError::NotFinite`].

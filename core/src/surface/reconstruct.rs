@@ -1,35 +1,35 @@
-//! From coefficients to vectors at the nodes, for the asked nodes only.
+//! Reconstruction of vectors at the nodes from coefficients of the modes, for the requested nodes only.
 
 use crate::error::{EvaluateError, finite};
-use crate::linalg::{IN_PAIRS, LANES};
-use crate::model::{DIAGONAL, Factors, MIDPLANE, MatrixView, Mesh, Model, apply};
+use crate::linalg::{LANES, TWO_PANELS};
+use crate::model::{DIAGONAL, MIDPLANE, MatrixView, Mesh, Model, QuantizedRef, apply};
 use crate::{Nodes, Real};
 
-/// A field: positions `(a/l) X + Phi alpha`, or velocities `Phi xi`, and an axial translation; or `B` of them, which
+/// A field at the nodes: positions `(a/l) X + Phi alpha` or velocities `Phi xi`, with an axial translation. `B` fields
 /// share one pass over the modes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Snapshot<'a, 's, T: Real, const B: usize = 1> {
     pub(crate) mesh: Mesh<'a>,
     pub(crate) modes: MatrixView<'a>,
-    /// Coefficients of the leading shape modes.
-    pub(crate) coefficients: Factors<'s, T, B>,
-    /// Factor of the reference nodes: a/l for positions, 0 for velocities.
+    /// Coefficients of the leading modes.
+    pub(crate) coefficients: QuantizedRef<'s, T, B>,
+    /// Factor of the reference nodes X: a/l for positions, 0 for velocities.
     pub(crate) scale: T,
-    /// Added to the axial component.
+    /// Axial translation of all nodes.
     pub(crate) translation: T,
 }
 
-/// The eight values of a component in a panel of nodes.
+/// Values of a component at the eight nodes of a panel.
 pub(crate) type Lanes<T> = [T; LANES];
 
-/// The plane through the axis in which an outline lies.
+/// Plane through the axis that holds an outline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Plane {
     /// z = 0
     Mirror,
     /// y = z
     Diagonal,
-    /// Of a set of nodes that is not known to stay in a plane.
+    /// None: a set of nodes without a symmetry plane.
     Other,
 }
 
@@ -45,24 +45,24 @@ impl Plane {
 }
 
 impl<T: Real, const B: usize> Snapshot<'_, '_, T, B> {
-    /// Some components, each at the sector's nodes of a panel: pairs (axis, panel).
-    pub(crate) fn panels<const P: usize>(&self, places: [(usize, usize); P]) -> [[Lanes<T>; B]; P] {
-        let rows = places.map(|(axis, panel)| axis * self.mesh.panels() + panel);
+    /// Components at the sector's nodes of a panel, for `P` pairs (axis, panel).
+    pub(crate) fn panels<const P: usize>(&self, pairs: [(usize, usize); P]) -> [[Lanes<T>; B]; P] {
+        let rows = pairs.map(|(axis, panel)| axis * self.mesh.panels() + panel);
         let mut values = [[[T::ZERO; LANES]; B]; P];
         self.modes.panels(rows, self.coefficients, &mut values);
-        for (values, &(axis, panel)) in values.iter_mut().zip(&places) {
+        for (values, &(axis, panel)) in values.iter_mut().zip(&pairs) {
             let nodes = self.mesh.sector_panel(panel);
             for values in values {
                 for (value, node) in values.iter_mut().zip(nodes) {
-                    *value += self.rest(node, axis);
+                    *value += self.base_component(node, axis);
                 }
             }
         }
         values
     }
 
-    /// What a component is without the modes, at a reference node.
-    fn rest(&self, node: &[[u8; 4]; 3], axis: usize) -> T {
+    /// A component without the modes: of the scaled reference node and the translation.
+    fn base_component(&self, node: &[[u8; 4]; 3], axis: usize) -> T {
         let component = node.get(axis).copied().unwrap_or_default();
         let reference = self.scale * T::from_f32(f32::from_le_bytes(component));
         if axis == 0 {
@@ -74,31 +74,31 @@ impl<T: Real, const B: usize> Snapshot<'_, '_, T, B> {
 }
 
 impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
-    /// The vectors of a choice of nodes; returns how many there are.
+    /// out <- the vectors at the nodes of a scene; returns their number.
     ///
     /// # Errors
-    /// As [`node`](Self::node); no such node set; a buffer that is too short.
+    /// Those of [`node`](Self::node); [`EvaluateError::UnknownNodeSet`]; [`EvaluateError::BufferTooShort`].
     pub(crate) fn fill(&self, model: &Model<'_>, nodes: Nodes<'_>, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         match nodes {
             Nodes::All => self.fill_all(out),
             Nodes::Set(name) => {
                 let set = model.node_set(name).ok_or(EvaluateError::UnknownNodeSet)?;
-                let mut walk = self.walk();
-                fill(set.iter(), set.len(), out, |node| walk.node(node))
+                let mut cache = self.panel_cache();
+                fill(set.iter(), set.len(), out, |node| cache.node(node))
             }
             Nodes::List(list) => {
                 let nodes = || list.iter().map(|&node| node.into());
-                // Before the first is written, all are known to be there.
+                // All nodes are checked before the first is written.
                 nodes().try_for_each(|node| self.origin(node).map(|_| ()))?;
                 fill(nodes(), list.len(), out, |node| self.node(node))
             }
         }
     }
 
-    /// The vectors of the sector's nodes, as many as `out` holds.
+    /// out <- the vectors at the sector's nodes.
     ///
     /// # Errors
-    /// A result that is not finite.
+    /// [`EvaluateError::NotFinite`].
     pub(crate) fn fill_sector(&self, out: &mut [[T; 3]]) -> Result<(), EvaluateError> {
         for (panel, out) in out.chunks_mut(LANES).enumerate() {
             for (out, vector) in out.iter_mut().zip(&self.vectors(panel)) {
@@ -108,10 +108,10 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
         Ok(())
     }
 
-    /// Computes every sector node once, in its place of the full mesh, and mirrors it from there.
+    /// Computes every sector node once, in its entry of the full mesh, and mirrors it from there.
     fn fill_all(&self, out: &mut [[T; 3]]) -> Result<usize, EvaluateError> {
         let count = self.mesh.nodes();
-        let out = room(out, count)?;
+        let out = prefix_mut(out, count)?;
         let mut sector = self.mesh.sector_nodes().iter();
         for panel in 0..self.mesh.panels() {
             for (vector, node) in self.vectors(panel).iter().zip(sector.by_ref()) {
@@ -124,7 +124,7 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
         Ok(count)
     }
 
-    /// Carries the sector's nodes, in their places of the full mesh, to all nodes.
+    /// Copies the sector's vectors, in their entries of the full mesh, to all images.
     fn mirror(&self, out: &mut [[T; 3]]) {
         let sector = self.mesh.sector_nodes();
         for (operation, images) in self.mesh.images().skip(1) {
@@ -143,22 +143,22 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
         core::array::from_fn(|lane| [x[lane], y[lane], z[lane]])
     }
 
-    /// The vector at a node, wherever it lies.
+    /// The vector at a node of the full mesh.
     ///
     /// # Errors
-    /// No such node; a result that is not finite.
+    /// [`EvaluateError::UnknownNode`]; [`EvaluateError::NotFinite`].
     pub(crate) fn node(&self, node: usize) -> Result<[T; 3], EvaluateError> {
         let (representative, operation) = self.origin(node)?;
         let rows = LANES * self.mesh.panels();
         let reference = self.mesh.sector_node(representative);
         let vector = core::array::from_fn(|axis| {
             let displacement = self.modes.dot(axis * rows + representative, self.coefficients);
-            displacement + self.rest(&reference, axis)
+            displacement + self.base_component(&reference, axis)
         });
         finite(apply(operation, vector))
     }
 
-    /// Sector node and operation of a node.
+    /// Sector node that represents a node, and the symmetry operation between them.
     fn origin(&self, node: usize) -> Result<(usize, u8), EvaluateError> {
         self.mesh.origin(node).ok_or(EvaluateError::UnknownNode {
             node,
@@ -166,36 +166,36 @@ impl<'a, 's, T: Real> Snapshot<'a, 's, T> {
         })
     }
 
-    /// Its nodes, one after the other.
-    pub(crate) fn walk(&self) -> Walk<'_, 'a, 's, T> {
-        Walk {
+    /// Access to single nodes that caches panels.
+    pub(crate) fn panel_cache(&self) -> PanelCache<'_, 'a, 's, T> {
+        PanelCache {
             field: self,
-            known: [(usize::MAX, [T::ZERO; LANES]); 3],
+            cached: [(usize::MAX, [T::ZERO; LANES]); 3],
         }
     }
 }
 
-/// Nodes one after the other. Those that lie together in the sector, as an outline's do, share panels.
-pub(crate) struct Walk<'f, 'a, 's, T: Real> {
+/// Access to single nodes. Successive nodes of an outline share panels, which are computed once.
+pub(crate) struct PanelCache<'f, 'a, 's, T: Real> {
     field: &'f Snapshot<'a, 's, T>,
-    /// The panel that was computed last, of each component.
-    known: [(usize, Lanes<T>); 3],
+    /// The last panel of each component: its number and its values.
+    cached: [(usize, Lanes<T>); 3],
 }
 
-impl<T: Real> Walk<'_, '_, '_, T> {
-    /// A component at a sector node. That of the next axis is computed with it where it costs little.
+impl<T: Real> PanelCache<'_, '_, '_, T> {
+    /// A component at a sector node. Where products take two panels at once, the next axis is computed with it.
     #[inline(always)]
     fn component(&mut self, sector_node: usize, axis: usize) -> T {
         let panel = sector_node / LANES;
-        let known = self.known.get(axis).map(|(known, _)| *known);
-        if known != Some(panel) {
-            if IN_PAIRS && axis < 2 {
+        let cached = self.cached.get(axis).map(|(cached, _)| *cached);
+        if cached != Some(panel) {
+            if TWO_PANELS && axis < 2 {
                 self.compute(panel, [axis, axis + 1]);
             } else {
                 self.compute(panel, [axis]);
             }
         }
-        self.known
+        self.cached
             .get(axis)
             .map_or(T::ZERO, |(_, lanes)| lanes[sector_node % LANES])
     }
@@ -204,16 +204,16 @@ impl<T: Real> Walk<'_, '_, '_, T> {
     fn compute<const P: usize>(&mut self, panel: usize, axes: [usize; P]) {
         let values = self.field.panels(axes.map(|axis| (axis, panel)));
         for (axis, [lanes]) in axes.into_iter().zip(values) {
-            if let Some(known) = self.known.get_mut(axis) {
-                *known = (panel, lanes);
+            if let Some(cached) = self.cached.get_mut(axis) {
+                *cached = (panel, lanes);
             }
         }
     }
 
-    /// The vector at a node: the bits are those of [`Snapshot::node`].
+    /// The vector at a node, the same bits as [`Snapshot::node`].
     ///
     /// # Errors
-    /// As [`Snapshot::node`].
+    /// Those of [`Snapshot::node`].
     fn node(&mut self, node: usize) -> Result<[T; 3], EvaluateError> {
         let (representative, operation) = self.field.origin(node)?;
         let vector = [0, 1, 2].map(|axis| self.component(representative, axis));
@@ -223,12 +223,12 @@ impl<T: Real> Walk<'_, '_, '_, T> {
     /// A node of an outline as [x, r] with r = sqrt(y^2 + z^2).
     ///
     /// # Errors
-    /// As [`Snapshot::node`].
+    /// Those of [`Snapshot::node`].
     pub(crate) fn axial_radial(&mut self, node: usize, plane: Plane) -> Result<[T; 2], EvaluateError> {
         let (representative, operation) = self.field.origin(node)?;
         let x = self.component(representative, 0);
         let radius = match plane {
-            // The mirror plane holds its nodes: what is across it is 0.
+            // The nodes lie in the plane z = 0 (or its image y = 0), so one component is 0.
             Plane::Mirror if operation & 4 == 0 => self.component(representative, 1).abs(),
             Plane::Mirror => self.component(representative, 2).abs(),
             Plane::Diagonal => (self.component(representative, 1) * T::from_f64(core::f64::consts::SQRT_2)).abs(),
@@ -241,20 +241,24 @@ impl<T: Real> Walk<'_, '_, '_, T> {
     }
 }
 
+/// out <- the vectors at `count` nodes.
 fn fill<T: Real>(
     nodes: impl Iterator<Item = usize>,
     count: usize,
     out: &mut [[T; 3]],
     mut vector: impl FnMut(usize) -> Result<[T; 3], EvaluateError>,
 ) -> Result<usize, EvaluateError> {
-    for (node, out) in nodes.zip(room(out, count)?) {
+    for (node, out) in nodes.zip(prefix_mut(out, count)?) {
         *out = vector(node)?;
     }
     Ok(count)
 }
 
 /// The first `required` entries of a caller's buffer.
-pub(crate) fn room<E>(out: &mut [E], required: usize) -> Result<&mut [E], EvaluateError> {
+///
+/// # Errors
+/// [`EvaluateError::BufferTooShort`].
+pub(crate) fn prefix_mut<E>(out: &mut [E], required: usize) -> Result<&mut [E], EvaluateError> {
     let found = out.len();
     out.get_mut(..required)
         .ok_or(EvaluateError::BufferTooShort { required, found })

@@ -4,12 +4,12 @@ use crate::Real;
 use crate::error::EvaluateError;
 use crate::model::Mesh;
 
-/// A piece of a cross-section: two points [y, z], with the inside of the surface to the left of the way from the first
-/// to the second, seen from the front (from larger x).
+/// A segment of a cross-section: two points [y, z]. Seen from the front (from larger x), the inside of the surface is to
+/// the left of the direction from the first to the second.
 pub type Segment<T> = [[T; 2]; 2];
 
-/// Cuts a surface by the plane at `x`, element by element as four flat triangles (or one), into the first entries of
-/// `out`; returns how many segments there are, at most four an element. They form closed curves, in no order; a shared
+/// Cuts a surface by the plane at `x` into segments, in the first entries of `out`; returns their number. Each element is
+/// cut as four flat triangles (or one), so it has at most four segments. They form closed curves, in no order; a shared
 /// point has the same bits in both its segments. `positions` are those of all nodes.
 ///
 /// # Errors
@@ -51,7 +51,7 @@ pub fn section<T: Real>(
 /// The segment in which the plane cuts a triangle.
 fn cut<T: Real>([a, b, c]: [usize; 3], positions: &[[T; 3]], x: T) -> Option<Segment<T>> {
     let before = |node: usize| positions[node][0] >= x;
-    // Turn the triangle until the first corner is alone on its side.
+    // Permutes the corners cyclically until the first is alone on its side.
     let [a, b, c] = match [before(a), before(b), before(c)] {
         [p, q, r] if q == r && p != q => [a, b, c],
         [p, q, r] if p == r && p != q => [b, c, a],
@@ -63,7 +63,7 @@ fn cut<T: Real>([a, b, c]: [usize; 3], positions: &[[T; 3]], x: T) -> Option<Seg
     Some(if before(a) { segment } else { [second, first] })
 }
 
-/// Where an edge crosses the plane; the same whichever of its triangles asks.
+/// Intersection of an edge with the plane, the same bits for both its triangles.
 fn crossing<T: Real>(a: usize, b: usize, positions: &[[T; 3]], x: T) -> [T; 2] {
     let ([x0, y0, z0], [x1, y1, z1]) = (positions[a.min(b)], positions[a.max(b)]);
     let share = (x - x0) / (x1 - x0);

@@ -1,7 +1,6 @@
 //! The effect of the full-order model's bending stiffness, in words.
 
 use capsule_core::Model;
-use capsule_core::model::MatrixView;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
@@ -15,10 +14,10 @@ pub struct BendingEffect {
     distance: f32,
 }
 
-/// Nearest in ln Ca and a/l, a factor of two in Ca counting as much as 0.1 in a/l; none where the model knows of none.
+/// The nearest in ln Ca and a/l, where a factor of two in Ca counts as 0.1 in a/l; `None` if the model has none.
 pub fn bending_effect(model: &Model<'_>, parameters: &[f64]) -> Option<BendingEffect> {
     let [capillary_number, confinement] = *parameters.first_chunk()?;
-    let known = MatrixView::new(&model.contents().bending_effect);
+    let known = model.bending_effect();
     let effect = |row| BendingEffect {
         ca: known.get(row, 0),
         confinement: known.get(row, 1),

@@ -10,7 +10,7 @@ use capsule_fom::{Outcome, Solver};
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// What can be asked of the membrane.
+/// Mechanical quantities of the membrane that can be requested.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Field {
     /// Extension ratios stretch_1 >= stretch_2 with directions, and area_dilation J_s
@@ -128,7 +128,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// As the writers take it.
+    /// The instant for the writers.
     pub fn instant(&self) -> Instant<'_> {
         Instant {
             time: self.time,

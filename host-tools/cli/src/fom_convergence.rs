@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the finished runs, so that an interrupted study goes on; to be emptied when the solver has changed
+    /// Folder of the finished runs, from which an interrupted study resumes; empty it when the solver has changed
     #[arg(long, value_name = "DIR", default_value = "target/convergence")]
     runs: PathBuf,
     /// Cases computed at the same time, each on one thread
@@ -31,7 +31,7 @@ pub struct Options {
 const EXAMPLES: &str = "\
 Examples:
   capsule-rom fom convergence
-  capsule-rom fom convergence --out docs/convergence.csv --json > convergence.json
+  capsule-rom fom convergence --out docs/results/convergence.csv --json > convergence.json
 
 Each case differs from the production settings (*) in one thing and is compared with the last, finest one of its \
 cause, at t = 8 or when the shape stands still: modified Hausdorff distance of both section outlines in the frame of \

@@ -27,7 +27,7 @@ Examples:
 For each confinement: the greatest capillary number with a steady state, the least one above it without, and the \
 middle between them, an estimate of the limit to half the bracket.";
 
-/// What is printed as JSON.
+/// The JSON output.
 #[derive(Serialize)]
 struct Limits {
     limits: Vec<SteadyLimit>,

@@ -68,10 +68,10 @@ struct Run<'a> {
     steady_time: Option<f64>,
     volume_drift: f64,
     thinnest_film: Film,
-    /// The arrays by themselves, for programs that read columns of one object ...
+    /// The arrays as fields of the object, for programs that read columns ...
     #[serde(flatten)]
     columns: History<'a>,
-    /// ... and together, for those that read a table.
+    /// ... and in one object, for programs that read a table.
     history: History<'a>,
     profile_midplane: Vec<[f64; 2]>,
     profile_diagonal: Vec<[f64; 2]>,
@@ -105,7 +105,7 @@ pub fn run(options: &Options) -> Result<()> {
     let solver = Solver::new(options.solver.settings())?;
     let snapshots = options.out.as_ref().map(|out| out.join(SNAPSHOTS));
     if let Some(there) = snapshots.filter(|folder| folder.join("database.json").exists()) {
-        // The database takes the run if it is of the same kind: say so before anything is computed.
+        // Fail before the run if the database in this folder has other settings.
         Database::create(&there, record::description(solver.settings())?, record::mesh(&solver))?;
     }
     let bar = progress::run(options.quiet);

@@ -1,5 +1,5 @@
-//! Ctrl-C, and what a batch system sends before it ends a job (SIGTERM), asks long work to end at its next safe point;
-//! a second one ends the program.
+//! Ctrl-C, or the SIGTERM that a batch system sends before it ends a job, asks long work to end at its next safe point;
+//! a second signal ends the program.
 
 use anyhow::{Context, Result};
 use std::ops::ControlFlow;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Starts to listen.
+/// Installs the signal handler.
 pub fn listen() -> Result<()> {
     ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::Relaxed) {
@@ -17,12 +17,12 @@ pub fn listen() -> Result<()> {
     .context("could not listen for Ctrl-C")
 }
 
-/// Whether an end was asked for.
+/// Whether a signal has arrived.
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// `Break` once it was asked.
+/// `Break` once a signal has arrived.
 pub fn flow() -> ControlFlow<()> {
     if asked() {
         ControlFlow::Break(())

@@ -24,14 +24,14 @@ mod record;
 mod solver_options;
 mod source;
 mod study_bending;
-mod study_fresh;
 mod study_leave_one_out;
 mod study_report;
-mod study_sample;
 mod study_scenes;
 mod study_smoothness;
 mod study_speed;
 mod study_stability;
+mod study_suggest;
+mod study_test_set;
 mod subject;
 mod sweep;
 
@@ -71,7 +71,7 @@ enum Command {
     Offline(Offline),
     /// Predict a capsule's motion with the reduced-order model
     Predict(predict::Options),
-    /// How accurate and how fast the reduced-order model is
+    /// Accuracy and speed of the reduced-order model
     #[command(subcommand)]
     Study(Study),
     /// Print a completion script for a shell
@@ -94,7 +94,7 @@ enum Fom {
     Limit(fom_limit::Options),
     /// A capsule in unbounded simple shear flow, to compare with the literature
     Shear(fom_shear::Options),
-    /// Compare the solver with exact and published results
+    /// Check the solver against exact and published results
     Validate(fom_validate::Options),
     /// The error of each numerical cause alone (slow)
     Convergence(fom_convergence::Options),
@@ -116,28 +116,28 @@ enum Offline {
 
 #[derive(Subcommand)]
 enum Study {
-    /// Predict each sample from all the others and compare
+    /// Predict each sample from all the others and compare the two
     LeaveOneOut(study_leave_one_out::Options),
-    /// Compare the model with configurations that no sample shares
-    Fresh(study_fresh::Options),
+    /// Errors of the model at configurations that are not samples
+    TestSet(study_test_set::Options),
     /// The effect of the full-order model's bending stiffness
     Bending(study_bending::Options),
-    /// Suggest the configurations to compute next
-    Sample(study_sample::Options),
-    /// How smooth the samples of a database are along its rows: the floor of a model's error
+    /// Suggest the configurations to compute next, where the model expects its largest errors
+    Suggest(study_suggest::Options),
+    /// Smoothness of the samples of a database along its rows: a lower limit of the model's error
     Smoothness(study_smoothness::Options),
     /// Time of a query, a trajectory, a surface, an outline
     Speed(study_speed::Options),
-    /// What an outline, a section, a surface, velocities, tensions cost: operations, bytes, time
+    /// Cost of an outline, a section, a surface, velocities, tensions: operations, bytes, time
     Scenes(study_scenes::Options),
-    /// Errors against settings, conditioning, edges, degenerate samples, random queries, spoilt data
+    /// Errors against settings, conditioning, edges, degenerate samples, random queries, damaged data
     Stability(study_stability::Options),
     /// One page with the paper's figures, run time against error, scene costs, stability and calibration
     Report(study_report::Options),
 }
 
 fn main() -> ExitCode {
-    // Output that nobody reads any more (`capsule-rom ... | head`) ends the command without a word.
+    // A closed pipe (`capsule-rom ... | head`) ends the command silently.
     sigpipe::reset();
     let result = match Arguments::parse().command {
         Command::Fom(Fom::Run(options)) => fom_run::run(&options),
@@ -151,9 +151,9 @@ fn main() -> ExitCode {
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
-        Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
+        Command::Study(Study::TestSet(options)) => study_test_set::run(&options),
         Command::Study(Study::Bending(options)) => study_bending::run(&options),
-        Command::Study(Study::Sample(options)) => study_sample::run(&options),
+        Command::Study(Study::Suggest(options)) => study_suggest::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Scenes(options)) => study_scenes::run(&options),
         Command::Study(Study::Speed(options)) => study_speed::run(&options),
@@ -176,7 +176,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The error and its causes in one line, without what a message already repeats of its cause.
+/// The error and its causes in one line; a cause that a message already contains is left out.
 fn describe(error: &anyhow::Error) -> String {
     error
         .chain()

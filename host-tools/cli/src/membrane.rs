@@ -3,25 +3,25 @@
 use crate::fields::{self, Column, Field, Surface, Totals};
 use anyhow::Result;
 use capsule_core::mechanics::{self, Deformation, Stencil};
-use capsule_core::model::wire::Reference;
+use capsule_core::model::Reference;
 use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Real, Scene};
 
-/// The fields that are asked for, and what they need.
+/// The requested fields, and the operators that they need.
 pub struct Mechanics<'o, T> {
     fields: &'o [Field],
     capillary_number: T,
-    /// Of the sector's nodes.
+    /// Indices of the sector's nodes.
     stencils: Vec<Stencil<T>>,
     sector: Vec<[T; 3]>,
 }
 
 impl<'o, T: Real> Mechanics<'o, T> {
-    /// None where no field is asked for.
+    /// `None` if no field is requested.
     pub fn new(model: &Model<'_>, fields: &'o [Field], capillary_number: T) -> Result<Option<Self>> {
         if fields.is_empty() {
             return Ok(None);
         }
-        if !matches!(model.contents().mesh.reference, Reference::Sphere) {
+        if !matches!(model.reference(), Reference::Sphere) {
             return Err(EvaluateError::UnsupportedReference.into());
         }
         let mesh = model.mesh();
@@ -61,7 +61,7 @@ impl<'o, T: Real> Mechanics<'o, T> {
     }
 }
 
-/// All nodes at an instant, with velocities and what is asked of the membrane.
+/// All nodes at an instant, with velocities and the requested fields.
 pub fn surface<T: Real>(
     model: &Model<'_>,
     evaluator: &mut Evaluator<'_, T>,
@@ -81,7 +81,7 @@ pub fn surface<T: Real>(
     let mut columns = vec![Column::vectors("velocity", nodes)];
     if let Some(mechanics) = mechanics {
         let sector = mechanics.deformations(evaluator, t)?;
-        let carried = |(index, operation): (usize, u8)| sector[index].carried(operation);
+        let carried = |(index, operation): (usize, u8)| sector[index].transformed(operation);
         let full: Vec<_> = (0..mesh.nodes())
             .filter_map(|node| mesh.origin(node))
             .map(carried)

@@ -6,13 +6,13 @@ use clap::Args;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// Keeps the embedded file on the boundary on which its matrices are read in place.
+/// Aligns the embedded file so that its matrices are read in place.
 #[repr(C, align(16))]
 struct Aligned<T: ?Sized>(T);
 
 static SHIPPED: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../models/capsule.crom"));
 
-/// Which model a command works with.
+/// The model that a command works with.
 #[derive(Args)]
 pub struct ModelFile {
     /// Model file [default: the shipped model]
@@ -49,7 +49,7 @@ impl ModelFile {
     }
 }
 
-/// The digest as people and file names show it.
+/// The digest as eight hexadecimal digits.
 pub fn digest(model: &Model<'_>) -> String {
     format!("{:08x}", model.digest())
 }

@@ -62,7 +62,7 @@ fn usage<T>(message: &str) -> Result<T> {
 struct Reader<'a> {
     names: &'a [String],
     readings: Vec<Vec<(usize, f64)>>,
-    /// The fault farthest on in the text, and how much of the text is left there.
+    /// The fault farthest along the text, and the length of the text after it.
     complaint: Complaint<'a>,
     left: usize,
 }

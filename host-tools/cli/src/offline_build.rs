@@ -44,7 +44,7 @@ Examples:
   capsule-rom offline build --from data.npz --out data.crom
   capsule-rom offline build --from series/ --split confinement=0.9 --out data.crom
 
-Other people's data: see docs/own-data.md.";
+Other people's data: see docs/guides/own-data.md.";
 
 pub fn run(options: &Options) -> Result<()> {
     let out = match (&options.out, &options.source.from) {
@@ -79,7 +79,7 @@ pub fn run(options: &Options) -> Result<()> {
     tell(&report, &out)
 }
 
-/// Seconds since 1970, or what SOURCE_DATE_EPOCH says, so that a build can be repeated to the bit.
+/// Seconds since 1970, or SOURCE_DATE_EPOCH, so that a build can be repeated to the bit.
 fn now() -> u32 {
     let fixed = std::env::var("SOURCE_DATE_EPOCH")
         .ok()
@@ -95,7 +95,7 @@ fn now() -> u32 {
     fixed.or_else(seconds).unwrap_or_default()
 }
 
-/// The model beside the data: their name with `.crom` added, which keeps `Ca0.05` and `Ca0.1` apart.
+/// Path of the model in the folder of the data: their name with `.crom` appended, so that `Ca0.05` and `Ca0.1` differ.
 fn beside(from: &Path) -> PathBuf {
     // The path of `.` or `..` has no name.
     let named = from.file_name().map(|_| from.to_path_buf());

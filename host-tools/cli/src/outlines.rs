@@ -8,7 +8,7 @@ use std::path::Path;
 /// More nodes than any outline has: a mesh is limited to 65,535 nodes.
 const LONGEST_OUTLINE: usize = 1024;
 
-/// Plots both sections at these instants, in the laboratory frame; `query` says in words what is shown.
+/// Plots both sections at these instants, in the laboratory frame; `query` is the text of the title.
 pub fn plot<T: Real>(
     file: &Path,
     evaluator: &mut Evaluator<'_, T>,

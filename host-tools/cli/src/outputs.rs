@@ -1,4 +1,4 @@
-//! Outputs of a command: checked before anything is computed, and there together or not at all.
+//! Outputs of a command: checked before anything is computed, and written all together or not at all.
 
 use anyhow::{Context, Result, bail, ensure};
 use capsule_database::{Staging, followed};
@@ -17,7 +17,7 @@ pub struct Outputs {
     staging: Staging,
 }
 
-/// A path, and where the command line names it.
+/// A path, and the option that names it.
 struct Named {
     option: &'static str,
     path: PathBuf,
@@ -26,7 +26,7 @@ struct Named {
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     File,
-    /// A file whose ending says its format.
+    /// A file whose extension selects its format.
     Figure,
     Folder,
 }
@@ -106,7 +106,7 @@ impl Outputs {
         check_writable(folder)
     }
 
-    /// Writes the file at `path` by `write`, which is given the place where it waits for the others.
+    /// Stages the file for `path`: `write` receives the temporary path.
     pub fn write<E>(&mut self, path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<()>
     where
         Result<(), E>: Context<(), E>,
@@ -116,7 +116,7 @@ impl Outputs {
         write(&place).with_context(context)
     }
 
-    /// Writes files into the folder at `path` by `write`, which is given the folder where they wait for the others.
+    /// Stages files for the folder at `path`: `write` receives the temporary folder.
     pub fn write_into(&mut self, path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
         self.write(path, |place| {
             std::fs::create_dir(place)?;
@@ -124,7 +124,7 @@ impl Outputs {
         })
     }
 
-    /// Everything appears.
+    /// Moves all staged files to their places.
     pub fn finish(self) -> Result<()> {
         let mut targets = self.staging.targets()?;
         for target in &targets {
@@ -149,7 +149,7 @@ impl Named {
         Some(Self { option, path })
     }
 
-    /// Whether `path` is this, or a file in it that is not a model, which no data are.
+    /// Whether `path` is this, or a file in it other than a model.
     fn holds(&self, path: &Path) -> bool {
         if same(path, &self.path) {
             return true;
@@ -171,7 +171,7 @@ impl std::fmt::Display for Named {
     }
 }
 
-/// Whether two paths name one file or folder, by whatever links, or would when they are made.
+/// Whether two paths name the same file or folder, links resolved; the paths need not exist.
 fn same(a: &Path, b: &Path) -> bool {
     match (handle(a), handle(b)) {
         (Some(a), Some(b)) => a == b,
@@ -179,7 +179,7 @@ fn same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// In small letters where names that differ by case are usually one file.
+/// Lower case on systems whose file names ignore case.
 fn by_case(path: PathBuf) -> PathBuf {
     if cfg!(any(windows, target_os = "macos")) {
         return path.to_string_lossy().to_lowercase().into();
@@ -211,7 +211,7 @@ fn check_folder(path: &Path) -> Result<()> {
     check_writable(there)
 }
 
-/// Makes a hidden file in the folder, which goes again at once.
+/// Creates a hidden file in the folder and removes it.
 fn check_writable(folder: &Path) -> Result<()> {
     match tempfile::Builder::new().prefix(".tmp").tempfile_in(folder) {
         Ok(_) => Ok(()),

@@ -26,9 +26,9 @@ pub struct NamedParameters {
 }
 
 impl QueryOptions {
-    /// The parameters that the model asks for.
+    /// The parameters of the model, in its order.
     pub fn of(&self, model: &Model<'_>) -> Result<NamedParameters> {
-        let ranges = &model.contents().metadata.parameters;
+        let ranges = model.parameters();
         let names: Vec<String> = ranges.iter().map(|range| range.name.to_owned()).collect();
         let mut given = Vec::new();
         for text in &self.parameters {
@@ -67,7 +67,7 @@ impl NamedParameters {
         self.names.iter().map(String::as_str).zip(self.values.iter().copied())
     }
 
-    /// In words, with the letters of the channel's parameters.
+    /// As text, with the symbols of the channel's parameters.
     pub fn text(&self) -> String {
         let word = |(name, value): (&str, f64)| match name {
             "capillary_number" => format!("Ca = {value}"),

@@ -8,7 +8,7 @@ use crate::outputs::Outputs;
 use crate::parameters::QueryOptions;
 use crate::{outlines, print};
 use anyhow::{Context, Result, anyhow, ensure};
-use capsule_core::model::wire::{Reference, Units};
+use capsule_core::model::{Reference, Units};
 use capsule_core::{Domain, EvaluateError, Evaluator, Method, Model, Parameters, Query, Real, Workspace};
 use capsule_database::fields::{write_csv, write_npz};
 use capsule_database::{table, vtu};
@@ -25,7 +25,7 @@ pub struct Options {
     /// Instants from 0 on, in l/V (or the unit of time of --model); answered in rising order, equal ones once
     #[arg(long, value_delimiter = ',', required = true, allow_negative_numbers = true)]
     t: Vec<f64>,
-    /// How the answer is computed [default: the model's]
+    /// Method of evaluation [default: the model's]
     #[arg(long, value_enum)]
     method: Option<MethodName>,
     /// Answer outside the sampled domain too
@@ -183,7 +183,7 @@ pub fn run(options: &Options) -> Result<()> {
     let times = rising(&options.t)?;
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
-    match model.contents().mesh.reference {
+    match model.reference() {
         Reference::Sphere => answer::<f32>(options, &model, &times, outputs),
         Reference::Shape { .. } => answer::<f64>(options, &model, &times, outputs),
     }
@@ -191,7 +191,7 @@ pub fn run(options: &Options) -> Result<()> {
 
 fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut outputs: Outputs) -> Result<()> {
     let times: Vec<T> = times.iter().map(|t| T::from_f64(*t)).collect();
-    let method = options.method.map_or(model.contents().default_method, Method::from);
+    let method = options.method.map_or(model.default_method(), Method::from);
     let parameters = options.query.of(model)?;
     let mut workspace = Box::new(Workspace::<T>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
@@ -201,7 +201,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         ..Query::new(given, method)
     };
     let prepared = evaluator.prepare(&query);
-    let domain = prepared.map_err(|error| anyhow!("{}", error.named(model)))?;
+    let domain = prepared.map_err(|error| anyhow!("{}", model.describe(error)))?;
 
     let mut mechanics = Mechanics::new(model, &options.fields, given.get(0))?;
     let instants = times
@@ -214,7 +214,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
             .find(|(known, _)| *known == name)
             .map(|(_, value)| value)
     };
-    let units = model.contents().metadata.units;
+    let units = model.units();
     let prediction = Prediction {
         ca: of_channel("capillary_number"),
         confinement: of_channel("confinement"),
@@ -292,7 +292,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
     Ok(())
 }
 
-/// A number for people: to five decimals, or in powers of ten where these would show nothing of it, or too much.
+/// A number for tables: five decimals, or scientific notation where these would show too few or too many digits.
 fn shown(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
         format!("{value:.5}")
@@ -309,7 +309,7 @@ fn rising(given: &[f64]) -> Result<Vec<f64>> {
             "--t {t}: an instant must be a finite number from 0 on"
         );
     }
-    // The sum makes a 0 of a -0.
+    // Adding 0 turns -0 into 0.
     let mut times: Vec<f64> = given.iter().map(|t| t + 0.0).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -357,7 +357,7 @@ fn instants_csv<T: Real>(title: &str, instants: &[InstantRow<T>]) -> Result<Vec<
     Ok(table::csv(Some(title), heading, rows.iter().map(texts))?)
 }
 
-/// The model's mesh as the writers take it.
+/// The model's mesh for the writers.
 fn database_mesh(model: &Model<'_>) -> capsule_database::Mesh {
     let mesh = model.mesh();
     let reference = |node| mesh.reference(node).unwrap_or_default().map(f64::from);

@@ -1,6 +1,8 @@
-//! What commands print: one JSON object, or a table for people.
+//! Output of the commands: one JSON object, or a table.
 
 use anyhow::Result;
+use comfy_table::presets::NOTHING;
+use comfy_table::{CellAlignment, Table};
 use serde::Serialize;
 use std::io::Write;
 
@@ -14,20 +16,12 @@ pub fn json(value: &impl Serialize) -> Result<()> {
 
 /// Prints columns, right-aligned, with a heading.
 pub fn table(heading: &[&str], rows: &[Vec<String>]) -> Result<()> {
-    let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(String::len);
-        cells.chain([heading[column].len()]).max().unwrap_or(0)
-    };
-    let line = |cells: &mut dyn Iterator<Item = &str>| -> String {
-        cells
-            .enumerate()
-            .map(|(column, cell)| format!("{cell:>width$}  ", width = width(column)))
-            .collect()
-    };
-    let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", line(&mut heading.iter().copied()).trim_end())?;
-    for row in rows {
-        writeln!(out, "{}", line(&mut row.iter().map(String::as_str)).trim_end())?;
+    let mut table = Table::new();
+    table.load_preset(NOTHING).set_header(heading).add_rows(rows);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+        column.set_padding((0, 2));
     }
+    writeln!(std::io::stdout().lock(), "{}", table.trim_fmt())?;
     Ok(())
 }

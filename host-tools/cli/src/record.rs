@@ -1,4 +1,4 @@
-//! Full-order runs as the database keeps them.
+//! Full-order runs in the form that the database stores.
 
 use anyhow::{Context, Result};
 use capsule_database::{Description, Mesh, Trajectory};
@@ -9,7 +9,7 @@ pub fn parameters(configuration: &Configuration) -> Vec<f64> {
     vec![configuration.capillary_number, configuration.confinement]
 }
 
-/// The solver's mesh as the database keeps it.
+/// The solver's mesh for the database.
 pub fn mesh(solver: &Solver) -> Mesh {
     let mesh = solver.mesh();
     Mesh {
@@ -18,7 +18,7 @@ pub fn mesh(solver: &Solver) -> Mesh {
     }
 }
 
-/// The outcome of a run as the database keeps it.
+/// The outcome of a run for the database.
 pub fn trajectory(outcome: &Outcome) -> Trajectory {
     Trajectory {
         parameters: parameters(&outcome.configuration),
@@ -42,13 +42,13 @@ fn status(status: &Status) -> capsule_database::Status {
     }
 }
 
-/// What the runs of a database have in common.
+/// The description that all runs of a database share.
 pub fn description(settings: &Settings) -> Result<Description> {
     let record = serde_json::to_value(settings).context("could not record the solver's settings")?;
     Ok(Description::new(settings.snapshot_times(), record))
 }
 
-/// What to tell about a film that the solver does not resolve.
+/// The warning about a film that the solver does not resolve.
 pub fn film_warning(solver: &Solver, outcome: &Outcome) -> Option<String> {
     let film = solver.unresolved_film(outcome)?;
     Some(format!(

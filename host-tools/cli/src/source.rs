@@ -1,4 +1,4 @@
-//! Where the snapshots for a model come from: our database, or other people's data.
+//! The source of the snapshots for a model: a database of this project, or other people's data.
 
 use crate::names;
 use crate::outputs::Outputs;
@@ -40,7 +40,7 @@ impl SourceOptions {
         }
     }
 
-    /// Opens the snapshots; the settings are those that suit them.
+    /// Opens the snapshots, with the default settings for them.
     pub fn open(&self) -> Result<(Snapshots, Settings)> {
         let Some(path) = &self.from else {
             let database = Database::open(&self.database)?;
@@ -76,7 +76,7 @@ fn split(text: &str, collection: &Collection) -> Result<Split> {
 }
 
 impl Snapshots {
-    /// As the offline stage takes them.
+    /// The source for the offline stage.
     pub fn source(&self) -> Source<'_> {
         match self {
             Snapshots::Database(database) => Source::Database(database),

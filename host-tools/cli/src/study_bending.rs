@@ -1,4 +1,4 @@
-//! `capsule-rom study bending`: what the bending stiffness of the full-order model changes.
+//! `capsule-rom study bending`: the effect of the bending stiffness of the full-order model.
 
 use crate::print;
 use anyhow::Result;

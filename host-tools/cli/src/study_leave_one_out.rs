@@ -36,7 +36,7 @@ pub struct Options {
 enum Samples {
     /// All of the database
     All,
-    /// The steady ones on the paper's grid alone, without the ring around it
+    /// Only the steady ones on the paper's grid, without the ring around it
     Paper,
 }
 
@@ -103,7 +103,7 @@ pub fn run(options: &Options) -> Result<()> {
     )
 }
 
-/// One figure a method and frame, one panel an instant.
+/// One figure for each method and frame, one panel for each instant.
 fn plot(folder: &Path, report: &Report) -> Result<()> {
     let [x, y] = &report.parameters[..] else {
         bail!("heat maps show two parameters, not {}", report.parameters.len());

@@ -1,4 +1,4 @@
-//! `capsule-rom study report`: everything on one page.
+//! `capsule-rom study report`: all studies on one page.
 
 use crate::outputs::Outputs;
 use crate::progress;

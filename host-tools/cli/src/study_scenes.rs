@@ -1,4 +1,4 @@
-//! `capsule-rom study scenes`: what each kind of answer costs, counted and timed.
+//! `capsule-rom study scenes`: the cost of each kind of answer, counted and timed.
 
 use crate::model::ModelFile;
 use crate::print;
@@ -13,16 +13,16 @@ use serde::Serialize;
 pub struct Options {
     #[command(flatten)]
     model: ModelFile,
-    /// How many random queries each task is timed with
+    /// Number of random queries that each task is timed with
     #[arg(long, default_value_t = 501)]
     queries: usize,
-    /// Do not find out which bytes of the model an answer depends on, which takes a minute
+    /// Skip the search for the bytes of the model that each answer reads, which takes a minute
     #[arg(long)]
     no_bytes: bool,
-    /// Ask this task once and print nothing, for programs that count instructions
+    /// Run this task once and print nothing, for programs that count instructions
     #[arg(long, value_name = "TASK", conflicts_with_all = ["queries", "no_bytes", "json"])]
     once: Option<String>,
-    /// With the random query of this number
+    /// Number of the random query to run it with
     #[arg(long, value_name = "NUMBER", default_value_t = 0, requires = "once")]
     query: usize,
     /// Print one JSON object

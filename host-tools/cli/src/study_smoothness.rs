@@ -1,4 +1,4 @@
-//! `capsule-rom study smoothness`: the scatter of a database.
+//! `capsule-rom study smoothness`: the scatter of the samples of a database.
 
 use crate::print;
 use anyhow::Result;

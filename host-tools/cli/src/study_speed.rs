@@ -1,4 +1,4 @@
-//! `capsule-rom study speed`: how long the model takes to answer, on one core of this machine.
+//! `capsule-rom study speed`: the time that the model takes to answer, on one core of this machine.
 
 use crate::model::ModelFile;
 use crate::{interrupt, print};
@@ -15,10 +15,10 @@ use serde::Serialize;
 pub struct Options {
     #[command(flatten)]
     model: ModelFile,
-    /// How many random queries each task is timed with
+    /// Number of random queries that each task is timed with
     #[arg(long, default_value_t = 1001)]
     queries: usize,
-    /// Configurations that the full-order model runs beside it, some 3 s each; 0 for none
+    /// Number of configurations that the full-order model runs for comparison, some 3 s each; 0 for none
     #[arg(long, default_value_t = 3)]
     fom_runs: usize,
     /// Print one JSON object
@@ -26,7 +26,7 @@ pub struct Options {
     json: bool,
 }
 
-/// The direct method's times in microseconds: medians, and first and third quartile beside each.
+/// The direct method's times in microseconds: medians with first and third quartiles.
 #[derive(Serialize)]
 struct Report {
     prepare_us: f64,
@@ -60,7 +60,7 @@ struct Ratio {
     rom_us: f64,
 }
 
-/// How often the reduced-order model repeats what the full-order model does once, beside it.
+/// Repetitions of the reduced-order model for one run of the full-order model.
 const BESIDE: usize = 21;
 /// The paper's method is a hundred times slower.
 const PAPER_SHARE: usize = 20;
@@ -132,7 +132,7 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Runs the full-order model and beside it, at the same parameters, the reduced-order model.
+/// Runs the full-order model and the reduced-order model at the same parameters.
 fn ratios(model: &Model<'_>, questions: &[Question]) -> Result<Vec<Ratio>> {
     if questions.is_empty() {
         return Ok(Vec::new());

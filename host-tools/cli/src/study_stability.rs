@@ -1,4 +1,4 @@
-//! `capsule-rom study stability`: where the methods stop to be accurate, and whether they say so.
+//! `capsule-rom study stability`: where the methods lose accuracy, and whether they report it.
 
 use crate::outputs::Outputs;
 use crate::subject::SubjectOptions;
@@ -61,7 +61,7 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// A file a panel.
+/// One file for each panel.
 fn plot(folder: &Path, found: &Stability) -> Result<()> {
     for (name, panel) in panels(found) {
         Figure::new(vec![panel]).save(&folder.join(format!("stability_{name}.svg")))?;

@@ -1,4 +1,4 @@
-//! What the studies of stability and of the report are about: options that both have.
+//! Options that `study stability` and `study report` share: the model and the data.
 
 use crate::model::ModelFile;
 use crate::outputs::Outputs;
@@ -16,10 +16,10 @@ pub struct SubjectOptions {
     /// Folder of the snapshot database
     #[arg(long, value_name = "DIR", default_value = "models/database")]
     database: PathBuf,
-    /// Folder of the configurations that the model does not contain
-    #[arg(long, value_name = "DIR", default_value = "models/fresh")]
-    fresh: PathBuf,
-    /// A minute instead of several, on a part of the data
+    /// Folder of the test set, configurations that are not samples of the model
+    #[arg(long, value_name = "DIR", default_value = "models/test-set")]
+    tests: PathBuf,
+    /// Use a part of the data: one minute instead of several
     #[arg(long)]
     quick: bool,
 }
@@ -28,7 +28,7 @@ pub struct SubjectOptions {
 pub struct Files {
     model: Cow<'static, [u8]>,
     database: Database,
-    fresh: Database,
+    tests: Database,
     quick: bool,
 }
 
@@ -38,7 +38,7 @@ impl SubjectOptions {
         outputs
             .reads("--model", self.model.path())
             .reads("--database", self.database.as_path())
-            .reads("--fresh", self.fresh.as_path())
+            .reads("--tests", self.tests.as_path())
     }
 
     /// Opens them.
@@ -46,7 +46,7 @@ impl SubjectOptions {
         Ok(Files {
             model: self.model.read()?,
             database: Database::open(&self.database)?,
-            fresh: Database::open(&self.fresh)?,
+            tests: Database::open(&self.tests)?,
             quick: self.quick,
         })
     }
@@ -57,7 +57,7 @@ impl Files {
         Subject {
             model: &self.model,
             database: &self.database,
-            fresh: &self.fresh,
+            tests: &self.tests,
             quick: self.quick,
         }
     }

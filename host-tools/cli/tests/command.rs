@@ -106,7 +106,8 @@ fn a_prediction_has_its_fields_and_keeps_the_volume() {
     let sphere = 4.0 / 3.0 * std::f64::consts::PI * 0.9_f64.powi(3);
     for instant in instants {
         let of = |field: &str| instant[field].as_f64().unwrap();
-        assert!((of("volume") / sphere - 1.0).abs() < 2e-3, "{instant}");
+        // docs/measurements.md: the volume is right to 0.047 % at worst.
+        assert!((of("volume") / sphere - 1.0).abs() <= 4.7e-4, "{instant}");
         assert!(
             of("half_width") < 1.0 && of("half_diagonal") < 2.0_f64.sqrt(),
             "{instant}"
@@ -119,28 +120,52 @@ fn a_prediction_has_its_fields_and_keeps_the_volume() {
     assert!((length(1) - length(3)).abs() < 0.01);
 }
 
-/// The model holds this sample, so that interpolation must give it back: compare with its snapshots.
+/// The model holds this sample, so the prediction differs from its snapshot by the compression of the model file alone.
 #[test]
 fn a_sample_is_reproduced() {
     let database = capsule_database::Database::open(&root().join("models/database")).unwrap();
-    let trajectory = database
-        .read(&[0.05, 1.0])
-        .unwrap()
-        .extended(database.mesh(), &[2.0])
-        .unwrap();
-    let x = |node: &[f64; 3]| node[0];
-    let front = trajectory.positions[0].iter().map(x).fold(f64::MIN, f64::max);
-    let rear = trajectory.positions[0].iter().map(x).fold(f64::MAX, f64::min);
-    let prediction = json("predict --ca 0.05 --confinement 1.00 --t 2 --json");
-    let length = prediction["instants"][0]["axial_length"].as_f64().unwrap();
-    // The observable interpolates the rim between nodes, so that it may exceed the nodes' extremes a little.
-    assert!(
-        (length - (front - rear)).abs() < 0.01,
-        "{length} against {}",
-        front - rear
-    );
+    let sample = database.read(&[0.05, 1.0]).unwrap();
+    let sample = sample.extended(database.mesh(), &[2.0]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sample.npz");
+    let prediction = json(&format!(
+        "predict --ca 0.05 --confinement 1.00 --t 2 --json --npz {}",
+        file.display()
+    ));
+    let mut arrays = ndarray_npy::NpzReader::new(std::fs::File::open(file).unwrap()).unwrap();
+    let positions: ndarray::Array3<f64> = arrays.by_name("positions").unwrap();
+    let nodes = &sample.positions[0];
+    assert_eq!(positions.dim(), (1, nodes.len(), 3));
+    let distance = |(n, node): (usize, &[f64; 3])| -> f64 {
+        let squares = (0..3).map(|d| (positions[[0, n, d]] - node[d]).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let distances: Vec<f64> = nodes.iter().enumerate().map(distance).collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    let greatest = distances.iter().copied().fold(0.0, f64::max);
+    println!("mean {mean:.2e} l, greatest {greatest:.2e} l");
+    assert!(mean < 2e-4 && greatest < 1.5e-3, "mean {mean} l, greatest {greatest} l");
+
+    // The observable interpolates the rim between nodes, as the full-order model's own measure does.
+    let instant = &prediction["instants"][0];
+    let mesh = capsule_fom::Mesh {
+        nodes: database.mesh().nodes.clone(),
+        elements: database.mesh().elements.clone(),
+    };
+    let dimensions = capsule_fom::measures::Outlines::new(&mesh).dimensions(nodes);
+    for (field, expected) in [
+        ("axial_length", dimensions.axial_length),
+        ("half_width", dimensions.half_width),
+        ("half_diagonal", dimensions.half_diagonal),
+        ("rear_depth", dimensions.rear_depth),
+    ] {
+        let found = instant[field].as_f64().unwrap();
+        println!("{field}: {:.2e} l", found - expected);
+        assert!((found - expected).abs() < 2e-3, "{field}: {found} against {expected}");
+    }
 }
 
+/// Two methods that share only the data: their difference is at most the sum of their expected errors.
 #[test]
 fn both_methods_agree_inside_the_domain() {
     let at = |method: &str| {
@@ -149,12 +174,25 @@ fn both_methods_agree_inside_the_domain() {
         ))["instants"][0]
             .clone()
     };
-    let (direct, paper) = (at("direct"), at("paper"));
-    for field in ["axial_length", "half_width", "velocity", "volume"] {
-        let (a, b) = (direct[field].as_f64().unwrap(), paper[field].as_f64().unwrap());
-        assert!((a / b - 1.0).abs() < 0.02, "{field}: {a} and {b}");
+    let answers = [at("direct"), at("paper")];
+    let of = |field: &str| answers.each_ref().map(|answer| answer[field].as_f64().unwrap());
+    let admitted: f64 = of("expected_error").iter().sum();
+    assert!(admitted < 5e-3, "{admitted}");
+    for field in ["axial_length", "half_width", "half_diagonal", "rear_depth"] {
+        let [direct, paper] = of(field);
+        assert!(
+            (direct - paper).abs() <= admitted,
+            "{field}: {direct} and {paper}, {admitted}"
+        );
     }
-    assert_ne!(direct, paper);
+    for (field, tolerance) in [("velocity", 1e-3), ("volume", 1e-3)] {
+        let [direct, paper] = of(field);
+        assert!(
+            (direct / paper - 1.0).abs() < tolerance,
+            "{field}: {direct} and {paper}"
+        );
+    }
+    assert_ne!(answers[0], answers[1]);
 }
 
 #[test]

@@ -161,8 +161,8 @@ fn outputs_that_cannot_be_written_are_refused_before_anything_is_computed() {
         refused(root.path(), arguments, &["file is a file"]);
     }
     for arguments in [
-        "study fresh --csv folder",
-        "study sample --csv folder",
+        "study test-set --csv folder",
+        "study suggest --csv folder",
         "fom convergence --out folder",
     ] {
         refused(root.path(), arguments, &["name a file"]);

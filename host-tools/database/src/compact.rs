@@ -149,7 +149,7 @@ fn scale(rows: &[Row], step: f64) -> Snapshots {
         .collect()
 }
 
-/// What row `i` is predicted to be before the columns say more: the row before it.
+/// The first prediction of row `i`, before that by columns: the row before it.
 fn base(rows: &[Row], i: usize, nodes: usize) -> Row {
     match i {
         0 => vec![[0; 3]; nodes],

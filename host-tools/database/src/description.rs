@@ -1,4 +1,4 @@
-//! What all configurations of a database have in common: `database.json`.
+//! The description that all configurations of a database share: `database.json`.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ pub struct Parameter {
     pub symbol: String,
 }
 
-/// What all configurations have in common, kept in `database.json`.
+/// The description that all configurations share, stored in `database.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     /// The parameters, in the order of [`crate::Trajectory::parameters`].

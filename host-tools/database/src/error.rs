@@ -1,4 +1,4 @@
-//! What can go wrong with a database, said with the file, the array and the figures.
+//! Errors of a database, with the file, the array and the figures.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ pub enum DatabaseError {
     /// The operating system refused a file operation.
     #[error("cannot {operation} {}: {source}", path.display())]
     Io {
-        /// What was tried: "read", "write", "create", ...
+        /// The operation that failed: "read", "write", "create", ...
         operation: &'static str,
         /// The file or directory.
         path: PathBuf,
@@ -37,7 +37,7 @@ pub enum DatabaseError {
     Different {
         /// The directory of the one that is there.
         path: PathBuf,
-        /// What differs.
+        /// The setting or array that differs.
         difference: String,
     },
     /// There are no databases to merge.
@@ -72,7 +72,7 @@ pub enum DatabaseError {
     Json {
         /// The file.
         path: PathBuf,
-        /// What is wrong, with its line and column.
+        /// The reason, with its line and column.
         source: serde_json::Error,
     },
     /// A file is cut short or damaged.
@@ -80,7 +80,7 @@ pub enum DatabaseError {
     Corrupt {
         /// The file.
         path: PathBuf,
-        /// What failed when it was read.
+        /// The reason.
         reason: String,
     },
     /// An array that the format asks for is not in the file.
@@ -116,7 +116,7 @@ pub enum DatabaseError {
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What was found and what was expected.
+        /// The element types found and expected.
         reason: String,
     },
     /// A collection does not hold what it should.
@@ -150,7 +150,7 @@ pub enum DatabaseError {
     /// Two lengths that must agree do not.
     #[error("{what}: {found} given, expected {expected}")]
     WrongLength {
-        /// What was counted.
+        /// The items that were counted.
         what: String,
         /// How many there should be.
         expected: usize,
@@ -180,7 +180,7 @@ pub enum DatabaseError {
     /// A mesh element names a node that does not exist, or the mesh is empty.
     #[error("mesh: {reason}")]
     BadMesh {
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// The database holds no such configuration.

@@ -46,3 +46,8 @@ pub use mesh::Mesh;
 pub use npz::export as export_npz;
 pub use symmetry::{Symmetry, apply};
 pub use trajectory::{Status, Trajectory};
+
+/// Runs the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -19,7 +19,7 @@ pub struct Block {
     pub terms: Vec<Term>,
 }
 
-/// What a [`Block`] adds to one component: `factor P_lm(cos θ)` times `cos mφ` or `sin mφ`.
+/// The contribution of a [`Block`] to one component: `factor P_lm(cos θ)` times `cos mφ` or `sin mφ`.
 #[derive(Debug, Clone, Copy)]
 pub struct Term {
     /// x, y or z as 0, 1, 2.

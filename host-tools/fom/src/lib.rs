@@ -14,6 +14,7 @@ pub mod measures;
 pub mod mechanics;
 pub mod membrane;
 pub mod mesh;
+mod outcome;
 mod parameters;
 pub mod shape_functions;
 pub mod shear;
@@ -23,13 +24,14 @@ pub mod symmetry;
 pub mod system;
 
 pub use mesh::Mesh;
+pub use outcome::{Film, History, Outcome, Status};
 pub use parameters::{Configuration, Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
-pub use simulation::{Film, History, Outcome, Pause, Progress, Run, Solver, Status};
+pub use simulation::{Progress, Run, RunState, Solver};
 pub use symmetry::Symmetry;
 
 use flow::FlowError;
 
-/// What can go wrong in the full-order model.
+/// Errors of the full-order model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FomError {
@@ -163,3 +165,8 @@ pub enum EvaluationError {
     #[error(transparent)]
     Flow(#[from] FlowError),
 }
+
+/// Runs the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

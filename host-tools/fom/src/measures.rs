@@ -1,4 +1,4 @@
-//! What is observed of a shape: its section outlines and their dimensions.
+//! Observables of a shape: its section outlines and their dimensions.
 
 use crate::Mesh;
 

@@ -14,7 +14,7 @@ use crate::surface::{Moments, Patch, cross, dot};
 use crate::system::{Discretisation, MembraneModel};
 use crate::{EvaluationError, Symmetry};
 
-/// What the snapshots of a discretisation share.
+/// Precomputed operators that all snapshots of a discretisation share.
 #[derive(Debug, Clone)]
 pub struct Mechanics<'a> {
     discretisation: &'a Discretisation,

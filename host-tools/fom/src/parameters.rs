@@ -1,4 +1,4 @@
-//! What a run is asked to do: the physical configuration and the solver's settings.
+//! Parameters of a run: the physical configuration and the solver's settings.
 
 use crate::FomError;
 use crate::flow::DuctSettings;

@@ -18,7 +18,7 @@ pub struct Patch {
     nodal_points: [Point; 6],
 }
 
-/// What the volume constraint and the frame need of the surface at each sector node.
+/// Geometry at each sector node for the volume constraint and the moving frame.
 #[derive(Debug, Clone, Default)]
 pub struct Geometry {
     /// Derivative of the enclosed volume with respect to the node's position, `dV/dx_i`.

@@ -11,7 +11,7 @@ use crate::membrane::Membrane;
 use crate::surface::{Geometry, Patch, dot, greatest_magnitude};
 use crate::{EvaluationError, FomError, MembraneDiscretisation, Mesh, Symmetry, initial};
 
-/// What all capsules on one mesh share.
+/// Mesh, symmetry and membrane operators, shared by all capsules on one mesh.
 #[derive(Debug, Clone)]
 pub struct Discretisation {
     /// The reference mesh.

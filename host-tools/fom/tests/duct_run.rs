@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use capsule_fom::flow::{DuctSettings, MembraneQuadrature, Precision};
-use capsule_fom::{Configuration, FomError, Integrator, Outcome, Pause, Run, Settings, Solver, Status};
+use capsule_fom::{Configuration, FomError, Integrator, Outcome, Run, RunState, Settings, Solver, Status};
 
 fn settings() -> Settings {
     Settings {
@@ -165,7 +165,7 @@ fn a_run_that_cannot_go_on_keeps_its_snapshots() {
 }
 
 #[test]
-fn the_observer_may_break_off() {
+fn the_observer_may_interrupt() {
     let solver = Solver::new(settings()).unwrap();
     let mut steps = 0;
     let outcome = solver
@@ -206,7 +206,7 @@ fn a_small_stiff_capsule_becomes_steady_with_the_velocity_of_a_sphere() {
 }
 
 #[test]
-fn a_run_broken_off_and_saved_goes_on_as_if_nothing_had_happened() {
+fn an_interrupted_and_saved_run_ends_like_an_undisturbed_one() {
     for integrator in [Integrator::Rkc2 { tolerance: 1e-4 }, Integrator::Ralston { step: 5e-3 }] {
         let solver = Solver::new(Settings {
             mesh_frequency: 2,
@@ -219,7 +219,7 @@ fn a_run_broken_off_and_saved_goes_on_as_if_nothing_had_happened() {
         let mut run = solver.start(&CONFIGURATION).unwrap();
         let outcome = loop {
             let mut steps = 0;
-            let pause = solver.go_on(run, &mut |_| {
+            let state = solver.resume(run, &mut |_| {
                 steps += 1;
                 if steps == 3 {
                     ControlFlow::Break(())
@@ -227,9 +227,11 @@ fn a_run_broken_off_and_saved_goes_on_as_if_nothing_had_happened() {
                     ControlFlow::Continue(())
                 }
             });
-            match pause.unwrap() {
-                Pause::Finished(outcome) => break *outcome,
-                Pause::BrokenOff(broken) => run = postcard::from_bytes(&postcard::to_stdvec(&broken).unwrap()).unwrap(),
+            match state.unwrap() {
+                RunState::Finished(outcome) => break *outcome,
+                RunState::Interrupted(saved) => {
+                    run = postcard::from_bytes(&postcard::to_stdvec(&saved).unwrap()).unwrap()
+                }
             }
         };
         let timeless = |outcome| Outcome {
@@ -250,7 +252,7 @@ fn a_saved_run_of_another_mesh_is_refused() {
         .unwrap()
     };
     let run: Run = of(2).start(&CONFIGURATION).unwrap();
-    let error = of(3).go_on(run, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    let error = of(3).resume(run, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(matches!(error, FomError::AnotherRun { .. }), "{error}");
 }
 

@@ -1,7 +1,7 @@
 //! A model in the making: all clusters of a plan, built from all samples.
 
+use capsule_core::Method;
 use capsule_core::Model;
-use capsule_core::model::wire::Method;
 use rayon::prelude::*;
 
 use crate::OfflineError;

@@ -6,7 +6,8 @@
 
 use serde::Serialize;
 
-use crate::samples::{Dent, SAME_ROW, Sample};
+use crate::samples::{Dent, Sample};
+use crate::tolerances::SAME_ROW;
 
 /// Least depth of a dent, over a.
 const DENT: f64 = 0.01;

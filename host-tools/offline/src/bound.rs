@@ -1,10 +1,10 @@
-//! How far the error may exceed the one that is expected.
+//! Bound of the error as a multiple of the expected error.
 //!
-//! Leaving out one sample of a row asks along the row, where the samples are dense. New configurations lie between the
-//! rows, some near a sample and some in the middle. So the bound is calibrated with every sample twice: predicted from
-//! the other rows alone, and from all samples, where truncation alone errs. The bound is the multiple of the expected
-//! error that 95 % of these errors stay below, each counted with the part of the domain that lies nearest to its
-//! sample: samples are dense where the solution varies fast, and new configurations are not.
+//! Leaving out one sample tests the interpolation along its row, where samples are dense. New configurations lie
+//! between rows, some near a sample and some in the middle. So the bound is calibrated with every sample twice:
+//! predicted from the other rows alone, and from all samples, where only the truncation error remains. The bound is the
+//! multiple of the expected error that 95 % of these errors stay below, each counted with the part of the domain that
+//! lies nearest to its sample: samples are dense where the solution varies fast, and new configurations are not.
 
 use rayon::prelude::*;
 
@@ -12,9 +12,10 @@ use crate::OfflineError;
 use crate::assembled::Assembled;
 use crate::compare::{METHODS, distances, predictions};
 use crate::plan::{Plan, Reduced};
-use crate::samples::{SAME_ROW, Sample};
-use crate::writer::ClusterParts;
-use capsule_core::model::wire::Method;
+use crate::samples::Sample;
+use crate::tolerances::SAME_ROW;
+use crate::writer::OwnedCluster;
+use capsule_core::Method;
 use capsule_core::{Domain, Model, Parameters};
 
 /// The share of errors below the bound.
@@ -23,10 +24,10 @@ const SHARE: f64 = 0.95;
 /// The fewest errors that tell a quantile of 95 %; with fewer the bound is the greatest ratio found.
 const FEWEST: usize = 20;
 
-/// About as many places of the domain are asked which sample is nearest.
+/// Approximate number of points of the domain whose nearest sample is looked up.
 const PLACES: f64 = 1e4;
 
-/// The bound over the expected error, at each of the instants, for each method. 1 where no row can be left out.
+/// Ratio of the bound to the expected error at each instant, for each method. 1 where no row can be left out.
 pub(crate) fn bound_factors(model: &Assembled) -> Result<[Vec<f64>; 2], OfflineError> {
     let weighted = weighted_ratios(model)?;
     let factor = |method: usize, instant: usize| {
@@ -37,7 +38,7 @@ pub(crate) fn bound_factors(model: &Assembled) -> Result<[Vec<f64>; 2], OfflineE
     Ok([0, 1].map(|method| instants.clone().map(|instant| factor(method, instant)).collect()))
 }
 
-/// The bound of what interpolation in time adds, over what is expected, in the middle of each interval of a coarser
+/// Ratio of the bound to the expected error of the interpolation in time, in the middle of each interval of a coarser
 /// model, whose samples hold out the instants there. All samples count alike.
 pub(crate) fn interval_bound_factors(coarser: &Assembled, cluster: usize) -> Result<Vec<f64>, OfflineError> {
     let parts = &coarser.built[cluster].parts;
@@ -50,7 +51,7 @@ pub(crate) fn interval_bound_factors(coarser: &Assembled, cluster: usize) -> Res
     };
     let intervals = 0..truth.first().map_or(0, Vec::len);
     let factor = |interval| quantile(truth.iter().enumerate().map(|row| ratio(row, interval)).collect());
-    // Less than 1 would trust the coarser model to know how much too careful the finer one is.
+    // A ratio below 1 would rely on the coarser model to correct the finer one.
     Ok(intervals
         .map(|interval| factor(interval).unwrap_or(1.0).max(1.0))
         .collect())
@@ -101,8 +102,8 @@ fn weighted_ratios(model: &Assembled) -> Result<Vec<(f64, Ratios)>, OfflineError
 /// The value that values with [`SHARE`] of the weight do not exceed; the greatest of few.
 fn quantile(mut weighted: Vec<(f64, f64)>) -> Option<f64> {
     weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let whole: f64 = weighted.iter().map(|(_, weight)| weight).sum();
-    let wanted = if weighted.len() < FEWEST { whole } else { SHARE * whole };
+    let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+    let wanted = if weighted.len() < FEWEST { total } else { SHARE * total };
     let mut sum = 0.0;
     let reached = weighted.iter().find(|(_, weight)| {
         sum += weight;
@@ -142,13 +143,13 @@ fn parts_of_domain(plan: &Plan, models: &[Model<'_>], parameters: &[&[f64]]) -> 
 /// True over expected error at each of the instants, of each method.
 type Ratios = [Vec<f64>; 2];
 
-/// Those of a sample without each of its rows, the samples with the same value of a parameter: of a capsule in the
-/// channel the rows of confinements, of other people's data those of all parameters in which their samples lie in rows.
+/// Ratios of a sample predicted without each of its rows (samples with the same value of a parameter): rows of equal
+/// confinement for a capsule in the channel, rows of every parameter for imported data.
 fn rows_left_out(
     plan: &Plan,
     cluster: &Reduced,
     place: usize,
-    parts: &ClusterParts,
+    parts: &OwnedCluster,
 ) -> Result<Vec<Ratios>, OfflineError> {
     let parameters = plan.ranges().len();
     let last = parameters - 1;
@@ -193,7 +194,7 @@ fn row(plan: &Plan, cluster: &Reduced, place: usize, parameter: usize) -> Option
     (below && above && enough).then_some(row)
 }
 
-/// Those of a sample as a model predicts it.
+/// Ratios of a sample as a model predicts it.
 fn ratios(plan: &Plan, model: &Model<'_>, sample: &Sample) -> Result<Ratios, OfflineError> {
     let truth = &sample.truth;
     let ratios = METHODS.map(|method| {

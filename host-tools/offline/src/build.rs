@@ -1,7 +1,6 @@
 //! From a database to a model file.
 
 use capsule_core::Model;
-use capsule_database::{Collection, Database};
 use serde::Serialize;
 
 use crate::assembled::Assembled;
@@ -15,15 +14,15 @@ use crate::limit::SteadyLimit;
 use crate::plan::Plan;
 use crate::pod::{DoublePod, Snapshots};
 use crate::spectra::laboratory;
-use crate::writer::{ErrorParts, Numbers};
-use crate::{LeftOut, OfflineError, Progress, Settings, Spectrum};
+use crate::writer::{OwnedErrors, StoredMatrix};
+use crate::{LeftOut, OfflineError, Progress, Settings, Source, Spectrum};
 
-/// What a build found.
+/// Report of a build.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BuildReport {
     /// Configurations in the model.
     pub samples: usize,
-    /// Those of them that never became steady.
+    /// Samples that never became steady.
     pub unsteady_samples: usize,
     /// Parameters of the configurations that take no part because they buckle late.
     pub late: Vec<Vec<f64>>,
@@ -85,45 +84,8 @@ pub struct FieldReport {
     pub axial_rank: usize,
     /// Root-mean-square error of the displacement over nodes, instants and samples that the space modes leave, in l.
     pub space_error: f64,
-    /// That which the parameter modes leave.
+    /// Root-mean-square error that the parameter modes leave.
     pub parameter_error: f64,
-}
-
-/// Where a model's samples come from.
-#[derive(Debug, Clone, Copy)]
-pub enum Source<'a> {
-    /// Capsules in the channel, over (Ca, a/l).
-    Database(&'a Database),
-    /// Other people's data.
-    Collection(&'a Collection),
-}
-
-impl Source<'_> {
-    /// The parameters' names.
-    #[must_use]
-    pub fn parameter_names(&self) -> Vec<String> {
-        match self {
-            Source::Database(database) => database
-                .description()
-                .parameters
-                .iter()
-                .map(|p| p.name.clone())
-                .collect(),
-            Source::Collection(collection) => collection.parameter_names.clone(),
-        }
-    }
-}
-
-impl<'a> From<&'a Database> for Source<'a> {
-    fn from(database: &'a Database) -> Self {
-        Source::Database(database)
-    }
-}
-
-impl<'a> From<&'a Collection> for Source<'a> {
-    fn from(collection: &'a Collection) -> Self {
-        Source::Collection(collection)
-    }
 }
 
 /// Builds a model from the configurations of a database or a collection: the bytes of the file, and a report.
@@ -142,7 +104,8 @@ pub fn build<'a>(
     progress("singular values", 0, 2);
     let mut spectra = laboratory(&plan.samples, plan.mesh.scales(), plan.nodes)?;
     progress("singular values", 1, 2);
-    // Models of every other, every fourth and every eighth instant tell what interpolation in time leaves.
+    // The errors of models of every other, every fourth and every eighth instant give the error of the interpolation in
+    // time.
     let every = |stride| plan.thinned(stride, progress)?.map(Assembled::new).transpose();
     let (mut two, four, eight) = (every(2)?, every(4)?, every(8)?);
     let [four, eight] = [four.as_ref(), eight.as_ref()];
@@ -161,7 +124,7 @@ pub fn build<'a>(
     for cluster in 0..model.built.len() {
         let changes = changes(&model, cluster)?;
         for (errors, changes) in model.built[cluster].parts.errors.iter_mut().zip(&changes) {
-            errors.changes = Numbers::column(changes);
+            errors.changes = StoredMatrix::column(changes);
         }
     }
     bound_intervals(&mut model, two.as_ref())?;
@@ -172,7 +135,7 @@ pub fn build<'a>(
     let mut reports = Vec::new();
     for (cluster, mut built) in reduced.iter().zip(built) {
         for (errors, factors) in built.parts.errors.iter_mut().zip(&factors) {
-            errors.bound_factors = Numbers::column(factors);
+            errors.bound_factors = StoredMatrix::column(factors);
         }
         let floors = built.parts.errors.each_ref().map(|errors| errors.floor);
         for (matrix, values) in [("S", &built.pod.parameter_values), ("T", &built.pod.space_values)] {
@@ -214,8 +177,8 @@ pub fn build<'a>(
     Ok((bytes, report))
 }
 
-/// Gives a model the errors at its samples, each left out (as far as that was done) and not, and those between its
-/// instants, which models of every other and every fourth of these tell.
+/// Stores the errors of a model: at its samples, with and without each, and between its instants. Models of every other
+/// and every fourth instant give the last.
 fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assembled>; 3]) -> Result<(), OfflineError> {
     for cluster in 0..model.reduced.len() {
         for (m, method) in METHODS.into_iter().enumerate() {
@@ -225,33 +188,33 @@ fn measure(model: &mut Assembled, left_out: &[LeftOut], coarser: [Option<&Assemb
             let of_method = left_out.iter().filter(|e| e.cluster == cluster && e.method == method);
             let errors = &mut model.built[cluster].parts.errors[m];
             *errors = if left_out.is_empty() {
-                ErrorParts {
+                OwnedErrors {
                     floor,
                     ..errors.clone()
                 }
             } else {
-                ErrorParts::new(of_method, model.plan.error_times().len(), floor)
+                OwnedErrors::new(of_method, model.plan.error_times().len(), floor)
             };
         }
         let floor = model.built[cluster].parts.errors[0].floor;
         let between = interval_errors(&model.plan, cluster, floor, coarser)?;
         let parts = &mut model.built[cluster].parts;
         let intervals = between.first().map_or(0, Vec::len);
-        parts.interval_errors = Numbers::new(between.len(), intervals, |j, i| between[j][i]);
-        parts.interval_bound_factors = Numbers::new(intervals, usize::from(intervals > 0), |_, _| 1.0);
+        parts.interval_errors = StoredMatrix::new(between.len(), intervals, |j, i| between[j][i]);
+        parts.interval_bound_factors = StoredMatrix::new(intervals, usize::from(intervals > 0), |_, _| 1.0);
     }
     Ok(())
 }
 
-/// Gives a model the bounds of what it errs between its instants: as multiples of what is expected they are those of a
-/// model of every other instant.
+/// Stores the bounds of the errors between instants: the same multiples of the expected error as in the model of every
+/// other instant.
 fn bound_intervals(model: &mut Assembled, coarser: Option<&Assembled>) -> Result<(), OfflineError> {
     let Some(coarser) = coarser else { return Ok(()) };
     let intervals = model.plan.times().len() - 1;
     for (cluster, built) in model.built.iter_mut().enumerate() {
         let factors = interval_bound_factors(coarser, cluster)?;
         let factor = |interval: usize| factors[(interval / 2).min(factors.len() - 1)];
-        built.parts.interval_bound_factors = Numbers::new(intervals, 1, |interval, _| factor(interval));
+        built.parts.interval_bound_factors = StoredMatrix::new(intervals, 1, |interval, _| factor(interval));
     }
     Ok(())
 }

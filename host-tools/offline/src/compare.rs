@@ -1,8 +1,8 @@
-//! A model's answers beside the full-order solution.
+//! Comparison of a model with the full-order solution.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use capsule_core::model::wire::Method;
+use capsule_core::Method;
 use capsule_core::{Domain, EvaluateError, Evaluator, Frame, Model, Nodes, Parameters, Query, Scene, Workspace};
 use capsule_database::{Database, Entry};
 use rayon::prelude::*;
@@ -10,16 +10,17 @@ use rayon::prelude::*;
 use crate::distance::Distance;
 use crate::hausdorff::Sector;
 use crate::samples::Truth;
+use crate::tolerances::SAME_TIME;
 use crate::{OfflineError, Progress};
 
 /// The methods, in the order of the file's error tables.
 pub(crate) const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
 
-/// The error, as a fraction of a, of a prediction that ran away, or that too few samples cannot give: a model says so,
-/// rather than not be built.
+/// Error, as a fraction of a, that stands for a prediction that diverged or that too few samples do not allow, so that
+/// the model is built nevertheless.
 const DIVERGED: f64 = 1e3;
 
-/// What a method errs at one configuration, at some instants.
+/// Errors of a method at one configuration, at some instants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The parameters.
@@ -28,7 +29,7 @@ pub struct Comparison {
     pub method: Method,
     /// Modified Hausdorff distance in the laboratory frame at each instant, as a fraction of a.
     pub laboratory: Vec<f64>,
-    /// The same in the frame of the volume centroid: of the shape alone.
+    /// Distance in the frame of the volume centroid: of the shape alone.
     pub shape: Vec<f64>,
     /// The error that the model expects: laboratory frame, fraction of a.
     pub expected: Vec<f64>,
@@ -66,11 +67,11 @@ pub fn compare(
     Ok((times, compared?.into_iter().flatten().collect()))
 }
 
-/// Those of some instants at which a database has snapshots.
+/// The instants at which a database has snapshots.
 pub(crate) fn stored(database: &Database, times: &[f64]) -> Vec<f64> {
     let known = |time: &f64| {
         let mut stored = database.times().iter();
-        stored.any(|t| (t - time).abs() < crate::plan::SAME_TIME)
+        stored.any(|t| (t - time).abs() < SAME_TIME)
     };
     times.iter().copied().filter(known).collect()
 }
@@ -123,9 +124,9 @@ fn one(
     })
 }
 
-/// What a model says of an instant.
+/// Answer of a model at an instant.
 pub(crate) struct Prediction {
-    /// Laboratory frame, `[N_x]`; none if the prediction ran away.
+    /// Laboratory frame, `[N_x]`; none if the prediction diverged.
     pub(crate) positions: Option<Vec<[f64; 3]>>,
     pub(crate) centroid: f64,
     pub(crate) expected: f64,
@@ -148,7 +149,7 @@ pub(crate) fn predictions(
         ..Query::new(given(parameters, model)?, method)
     };
     match evaluator.prepare(&query) {
-        // No sample on the query's side of the border, none that can be told apart, or none within reach.
+        // The query has no samples on its side of the jump, none that differ, or none within reach.
         Err(EvaluateError::Weights { .. } | EvaluateError::BeyondExtrapolation { .. }) => {
             let none = || Prediction {
                 positions: None,
@@ -212,7 +213,7 @@ pub(crate) fn distances(
 /// Parameters as the core takes them.
 pub(crate) fn given(parameters: &[f64], model: &Model) -> Result<Parameters<f64>, EvaluateError> {
     Parameters::new(parameters).ok_or(EvaluateError::ParameterCount {
-        expected: model.contents().metadata.parameters.len(),
+        expected: model.parameters().len(),
         found: parameters.len(),
     })
 }

@@ -12,7 +12,7 @@ pub(crate) enum Distance {
 }
 
 impl Distance {
-    /// The distance of as many nodes each, in their unit.
+    /// Distance between two lists of nodes of the same length, in their unit.
     pub(crate) fn between(&self, a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
         match self {
             Distance::ModifiedHausdorff(sector) => symmetric_modified_hausdorff(a, b, sector),

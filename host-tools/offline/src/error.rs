@@ -1,4 +1,4 @@
-//! Why no model was built.
+//! Errors of the offline stage.
 
 use capsule_core::{EncodeError, EvaluateError, OpenError};
 use capsule_database::DatabaseError;

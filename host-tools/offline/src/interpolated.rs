@@ -1,5 +1,5 @@
-//! What the interpolation errs by alone: its weights times the samples' own snapshots, without modes, splines and
-//! digits.
+//! Error of the interpolation alone: its weights times the snapshots of the samples, without modes, splines and
+//! quantisation.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -18,14 +18,14 @@ use crate::{OfflineError, Progress};
 /// The most samples that take part in a query, as in the core's workspace.
 const NEIGHBOURS: usize = 32;
 
-/// What the interpolation of the direct method errs by at one configuration, at some instants.
+/// Errors of the interpolation of the direct method at one configuration, at some instants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpolated {
     /// The parameters.
     pub parameters: Vec<f64>,
     /// Modified Hausdorff distance in the laboratory frame at each instant, as a fraction of a.
     pub laboratory: Vec<f64>,
-    /// The same in the frame of the volume centroid: of the shape alone.
+    /// Distance in the frame of the volume centroid: of the shape alone.
     pub shape: Vec<f64>,
 }
 

@@ -6,7 +6,7 @@
 //! falls counts (one alone may be chance): 16 where the motion is smooth, about 2 at a kink, and 1 where it is faster
 //! than the instants.
 
-use capsule_core::model::wire::Method;
+use capsule_core::Method;
 
 use crate::OfflineError;
 use crate::assembled::Assembled;

@@ -1,21 +1,21 @@
-//! What a model errs at a sample that it does not contain.
+//! Leave-one-out errors: each sample predicted by a model without it.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use capsule_core::Method;
 use capsule_core::Model;
-use capsule_core::model::wire::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::compare::{METHODS, distances, predictions};
 use crate::plan::{Plan, Reduced};
-use crate::writer::ClusterParts;
+use crate::writer::OwnedCluster;
 use crate::{OfflineError, Progress, Settings, Source};
 
 /// The errors of one method at one sample, predicted without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// The sample's parameters: (Ca, a/l), or those of other people's data.
+    /// The sample's parameters: (Ca, a/l), or those of imported data.
     pub parameters: Vec<f64>,
     /// The cluster that was built without it, counted from 0. A sample of the shared row occurs once for each cluster.
     pub cluster: usize,
@@ -26,9 +26,9 @@ pub struct LeftOut {
     /// The method.
     pub method: Method,
     /// Distance in the laboratory frame at each instant of the errors, as a fraction of a: modified Hausdorff distance,
-    /// or the mean distance of the nodes of other people's data.
+    /// or, of imported data, the mean distance of the nodes.
     pub laboratory: Vec<f64>,
-    /// The same in the frame of the volume centroid: of the shape alone.
+    /// Distance in the frame of the volume centroid: of the shape alone.
     pub shape: Vec<f64>,
     /// Deviation of the weights of that prediction, see [`capsule_core::Instant::deviation`].
     pub deviation: f64,
@@ -59,7 +59,7 @@ pub fn leave_one_out<'a>(
 }
 
 /// A cluster, given by its number, without the sample at a place of it.
-type Without<'a> = &'a (dyn Fn(usize, usize) -> Result<ClusterParts, OfflineError> + Sync);
+type Without<'a> = &'a (dyn Fn(usize, usize) -> Result<OwnedCluster, OfflineError> + Sync);
 
 /// The errors at all samples, each predicted by its cluster `without` it.
 pub(crate) fn each_left_out(
@@ -92,7 +92,7 @@ pub(crate) fn left_out(
     index: usize,
     cluster: &Reduced,
     out: usize,
-    parts: &ClusterParts,
+    parts: &OwnedCluster,
     method: Method,
 ) -> Result<LeftOut, OfflineError> {
     let bytes = plan.write(&[parts])?;

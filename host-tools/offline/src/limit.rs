@@ -3,7 +3,7 @@
 use capsule_database::Entry;
 use serde::Serialize;
 
-use crate::samples::SAME_ROW;
+use crate::tolerances::SAME_ROW;
 
 /// Distance in a/l of the points of the curve that a model carries.
 const SPACING: f64 = 0.01;
@@ -11,7 +11,7 @@ const SPACING: f64 = 0.01;
 /// The greatest distance in Ca of a steady and an unsteady sample that tell the limit between.
 const BRACKET: f64 = 0.012;
 
-/// What a row of confinements says about the limit.
+/// Bracket of the steady limit at one confinement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SteadyLimit {
     /// a/l

@@ -1,4 +1,4 @@
-//! Samples and their places as a model file holds them, for interpolation beside a model.
+//! Samples and their coordinates as a model file stores them, for interpolation outside a model.
 
 use capsule_core::Parameters;
 use capsule_core::interpolate::Coordinates;
@@ -27,7 +27,7 @@ impl PlacedSamples {
             let Some(parameters) = Parameters::new(&doubles) else {
                 continue;
             };
-            let place = coordinates.place(&parameters).map(|value| value as f32);
+            let place = coordinates.transform(&parameters).map(|value| value as f32);
             placed
                 .parameters
                 .extend(sample.iter().flat_map(|value| value.to_le_bytes()));

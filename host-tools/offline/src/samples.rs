@@ -7,13 +7,8 @@ use std::cmp::Ordering;
 
 use crate::limit::SteadyLimit;
 use crate::settings::{Design, Split};
+use crate::tolerances::{SAME_ROW, SYMMETRIC};
 use crate::{OfflineError, Progress, Settings};
-
-/// A field counts as symmetric below this deviation of a component (l or V). Databases keep fields to 2.4e-7.
-const SYMMETRIC: f64 = 1e-6;
-
-/// Confinements closer than this are the same row of the design.
-pub(crate) const SAME_ROW: f64 = 1e-6;
 
 /// One field of one sample at all instants.
 pub(crate) struct State {
@@ -34,9 +29,9 @@ pub(crate) struct Sample {
     pub(crate) dent: Dent,
     pub(crate) displacement: State,
     pub(crate) velocity: State,
-    /// What a prediction is compared with.
+    /// Full-order solution that predictions are compared with.
     pub(crate) truth: Vec<Truth>,
-    /// The same at instants that the model was not built from.
+    /// Full-order solution at instants that the model was not built from.
     pub(crate) held_out: Vec<Truth>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Tolerances then mean the same for data in metres and in nanometres, and offsets (a temperature of 300 K that varies
 //! by
-//! 0.01 K) take no digits from the range. The model file has the data's own units again.
+//! 0.01 K) cost no precision. The model file has the data's own units again.
 
 use capsule_database::Collection;
 

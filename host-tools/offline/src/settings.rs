@@ -1,4 +1,4 @@
-//! What can be chosen when a model is built.
+//! Settings of a build.
 
 use capsule_core::model::wire::{Kernel, MAX_PARAMETERS, Method, Paper};
 use capsule_database::Collection;
@@ -85,7 +85,7 @@ pub enum Truncation {
 pub enum Storage {
     /// As binary32.
     Single,
-    /// As integers of 16 and 8 bits with a unit for each column or row.
+    /// As integers of 16 and 8 bits with a scale for each column or row.
     Integer,
 }
 

@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-use crate::pod::product;
+use crate::dense::product;
 use std::ops::Range;
 
 /// Order of the splines.
@@ -70,7 +70,7 @@ impl TimeFit {
         (multiplicity[0], multiplicity[count - 1]) = (ORDER, ORDER);
         loop {
             let fit = Self::with(times, &multiplicity, &weights);
-            // What the fit leaves of a unit snapshot.
+            // Residual of the fit of a unit snapshot.
             let design = design(&fit.knots, times, &weights);
             let projected = product(&fit.operator, &design.transpose().to_owned());
             let left = Mat::from_fn(2 * count, 2 * count, |a, b| {
@@ -128,7 +128,7 @@ impl TimeFit {
     }
 
     /// Time in one span.
-    pub(crate) fn whole(&self, times: &[f64]) -> Vec<Span> {
+    pub(crate) fn one_span(&self, times: &[f64]) -> Vec<Span> {
         vec![self.span(0..self.count(), times)]
     }
 

@@ -2,20 +2,20 @@
 
 use rayon::prelude::*;
 
+use capsule_core::Method;
 use capsule_core::Model;
-use capsule_core::model::wire::Method;
 use capsule_database::Database;
 
 use crate::leave_one_out::{LeftOut, left_out};
 use crate::plan::{Plan, Reduced};
-use crate::writer::{ClusterParts, ErrorParts};
+use crate::writer::{OwnedCluster, OwnedErrors};
 use crate::{OfflineError, Progress, Settings};
 
 /// A database, reduced once; models of any of its samples share its modes.
 pub struct Subsets<'a> {
     plan: Plan<'a>,
     reduced: Vec<Reduced>,
-    parts: Vec<ClusterParts>,
+    parts: Vec<OwnedCluster>,
 }
 
 impl<'a> Subsets<'a> {
@@ -63,10 +63,10 @@ impl<'a> Subsets<'a> {
                 });
                 let errors: Vec<LeftOut> = errors.collect::<Result<_, OfflineError>>()?;
                 let mut parts = parts.without(&out);
-                parts.errors[0] = ErrorParts::new(&errors, self.plan.error_times().len(), 0.0);
+                parts.errors[0] = OwnedErrors::new(&errors, self.plan.error_times().len(), 0.0);
                 Ok(parts)
             });
-        let clusters: Vec<ClusterParts> = clusters.collect::<Result<_, OfflineError>>()?;
+        let clusters: Vec<OwnedCluster> = clusters.collect::<Result<_, OfflineError>>()?;
         let bytes = self.plan.write(&clusters.iter().collect::<Vec<_>>())?;
         Model::open(&bytes).map_err(OfflineError::Invalid)?;
         Ok(bytes)

@@ -1,12 +1,13 @@
 //! The stated bound of models of other people's data: families with known answers, asked at parameters and instants
 //! that no snapshot has.
 
-#[path = "support/mesh.rs"]
+#[path = "support/collection.rs"]
 mod support;
 
 use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace};
-use capsule_database::{Collection, Mesh};
+use capsule_database::Mesh;
 use capsule_offline::{Settings, build};
+use support::collection;
 
 /// Stretch, dent and axial position at parameters in the unit square and t in [0, 2].
 type Family = fn(f64, f64, f64) -> [f64; 3];
@@ -39,14 +40,11 @@ fn kinked(p: f64, q: f64, t: f64) -> [f64; 3] {
     ]
 }
 
-/// The nodes of a volume-preserving stretch with a dent behind.
-fn nodes(mesh: &Mesh, [stretch, dent, position]: [f64; 3]) -> Vec<[f64; 3]> {
+/// A node of a volume-preserving stretch with a dent behind.
+fn node([x, y, z]: [f64; 3], [stretch, dent, position]: [f64; 3]) -> [f64; 3] {
     let across = 1.0 / stretch.sqrt();
-    let node = |[x, y, z]: &[f64; 3]| {
-        let dented = stretch * x - dent * (y * y + z * z) * (1.0 - x);
-        [dented + position, across * y, across * z]
-    };
-    mesh.nodes.iter().map(node).collect()
+    let dented = stretch * x - dent * (y * y + z * z) * (1.0 - x);
+    [dented + position, across * y, across * z]
 }
 
 fn halton(index: usize, base: usize) -> f64 {
@@ -57,22 +55,6 @@ fn halton(index: usize, base: usize) -> f64 {
         index /= base;
     }
     value
-}
-
-fn collection(mesh: &Mesh, family: Family, parameters: Vec<Vec<f64>>, instants: usize) -> Collection {
-    let times: Vec<f64> = (0..instants).map(|i| 2.0 * i as f64 / (instants - 1) as f64).collect();
-    let run = |row: &Vec<f64>| times.iter().map(|t| nodes(mesh, family(row[0], row[1], *t))).collect();
-    Collection::new(Collection {
-        parameter_names: vec!["p".to_owned(), "q".to_owned()],
-        length_unit: None,
-        time_unit: None,
-        positions: parameters.iter().map(run).collect(),
-        velocities: Vec::new(),
-        elements: mesh.elements.clone(),
-        parameters,
-        times,
-    })
-    .unwrap()
 }
 
 fn grid(n: usize) -> Vec<Vec<f64>> {
@@ -102,7 +84,8 @@ fn ratios(model: &Model<'_>, mesh: &Mesh, family: Family) -> Vec<f64> {
         };
         let mut instant = evaluator.at(t).unwrap();
         instant.positions(&scene, &mut found).unwrap();
-        let exact = nodes(mesh, family(p, q, t));
+        let motion = family(p, q, t);
+        let exact: Vec<[f64; 3]> = mesh.nodes.iter().map(|reference| node(*reference, motion)).collect();
         let apart = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt();
         let error = found.iter().zip(&exact).map(apart).sum::<f64>() / found.len() as f64;
         let radius = model.radius([p, q]);
@@ -113,7 +96,10 @@ fn ratios(model: &Model<'_>, mesh: &Mesh, family: Family) -> Vec<f64> {
 
 /// The model of a family on a design, at so many instants.
 fn built(mesh: &Mesh, family: Family, parameters: &[Vec<f64>], instants: usize) -> Vec<u8> {
-    let collection = collection(mesh, family, parameters.to_vec(), instants);
+    let times = (0..instants).map(|i| 2.0 * i as f64 / (instants - 1) as f64);
+    let collection = collection(mesh, parameters.to_vec(), times.collect(), |reference, [p, q], t| {
+        node(reference, family(p, q, t))
+    });
     let settings = Settings::of_collection(&collection).unwrap();
     build(&collection, &settings, &|_, _, _| {}).unwrap().0
 }
@@ -191,7 +177,8 @@ fn a_guess_beyond_the_last_row_is_not_far_too_small() {
         for t in [0.4, 1.9] {
             let mut instant = evaluator.at(t).unwrap();
             instant.positions(&scene, &mut found).unwrap();
-            let exact = nodes(&mesh, curved(0.52, q, t));
+            let motion = curved(0.52, q, t);
+            let exact: Vec<[f64; 3]> = mesh.nodes.iter().map(|reference| node(*reference, motion)).collect();
             let apart = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt();
             let error =
                 found.iter().zip(&exact).map(apart).sum::<f64>() / found.len() as f64 / model.radius([0.5, 0.5]);

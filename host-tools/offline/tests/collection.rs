@@ -242,8 +242,8 @@ fn far_from_the_samples_is_said() {
     );
     let error = predicted(&model, &[0.3, 2.0], 1.0).unwrap_err();
     assert!(
-        error
-            .named(&model)
+        model
+            .describe(error)
             .to_string()
             .starts_with("parameter_2 = 2 lies outside"),
         "{error}"
@@ -349,7 +349,7 @@ fn the_symmetry_of_mesh_and_data_is_found() {
     let order = |collection: &Collection| {
         let (bytes, report) = build(collection, &settings(collection), &quiet).unwrap();
         let model = Model::open(&bytes).unwrap();
-        let units = model.contents().metadata.units;
+        let units = model.units();
         assert_eq!((units.length, units.velocity), ("um", "um/time unit"));
         (report.symmetry, model.contents().mesh.node_sets.len())
     };

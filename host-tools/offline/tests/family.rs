@@ -4,7 +4,7 @@
 mod grid;
 mod support;
 
-use capsule_core::model::wire::Method;
+use capsule_core::Method;
 use capsule_core::{Domain, Evaluator, Frame, Model, Nodes, Query, Scene, Workspace};
 use capsule_database::{Database, Description, Status};
 use capsule_offline::{
@@ -38,7 +38,7 @@ fn predicted(model: &Model, [ca, a]: [f64; 2], t: f64, method: Method) -> Vec<[f
             .unwrap(),
         Domain::Inside
     );
-    let mut nodes = vec![[0.0; 3]; model.contents().mesh.nodes as usize];
+    let mut nodes = vec![[0.0; 3]; model.mesh().nodes()];
     let scene = Scene {
         nodes: Nodes::All,
         frame: Frame::Laboratory,

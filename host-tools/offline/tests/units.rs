@@ -1,6 +1,6 @@
 //! Other people's data in any units and with any offsets give the same model, in these units.
 
-#[path = "support/mesh.rs"]
+#[path = "support/collection.rs"]
 mod support;
 
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Parameters, Query, Scene, Workspace};
@@ -9,29 +9,12 @@ use capsule_offline::{OfflineError, Settings, Split, Truncation, build};
 
 /// A family over two parameters in the unit square and t in [0, 2].
 fn collection(mesh: &Mesh) -> Collection {
-    let parameters: Vec<Vec<f64>> = (0..25)
-        .map(|k| vec![0.25 * f64::from(k % 5), 0.25 * f64::from(k / 5)])
-        .collect();
-    let times: Vec<f64> = (0..=10).map(|i| 0.2 * f64::from(i)).collect();
-    let run = |row: &Vec<f64>| -> Vec<Vec<[f64; 3]>> {
-        let at = |t: &f64| {
-            let (stretch, position) = (1.0 + 0.2 * (row[0] + t).sin(), (1.0 + 0.5 * row[1]) * t);
-            let node = |[x, y, z]: &[f64; 3]| [stretch * x + position + 0.1 * row[1] * y * y, *y, *z];
-            mesh.nodes.iter().map(node).collect()
-        };
-        times.iter().map(at).collect()
-    };
-    Collection::new(Collection {
-        parameter_names: vec!["p".to_owned(), "q".to_owned()],
-        length_unit: None,
-        time_unit: None,
-        positions: parameters.iter().map(run).collect(),
-        velocities: Vec::new(),
-        elements: mesh.elements.clone(),
-        parameters,
-        times,
+    let parameters = (0..25).map(|k| vec![0.25 * f64::from(k % 5), 0.25 * f64::from(k / 5)]);
+    let times = (0..=10).map(|i| 0.2 * f64::from(i));
+    support::collection(mesh, parameters.collect(), times.collect(), |[x, y, z], [p, q], t| {
+        let (stretch, position) = (1.0 + 0.2 * (p + t).sin(), (1.0 + 0.5 * q) * t);
+        [stretch * x + position + 0.1 * q * y * y, y, z]
     })
-    .unwrap()
 }
 
 /// The units and offsets of data.
@@ -218,11 +201,8 @@ fn settings_are_in_the_units_of_the_data() {
     };
     assert_eq!(shape(&expected).len(), 2);
     assert_eq!(shape(&expected), shape(&found));
-    let metadata = &Model::open(&found).unwrap().contents().metadata.clone();
-    assert_eq!(
-        [metadata.parameters[1].min, metadata.parameters[1].max],
-        [10000.0, 10000.4]
-    );
+    let range = Model::open(&found).unwrap().parameters()[1];
+    assert_eq!([range.min, range.max], [10000.0, 10000.4]);
 }
 
 #[test]

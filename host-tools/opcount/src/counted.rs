@@ -5,12 +5,12 @@ use std::fmt;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use capsule_core::Real;
+use capsule_core::{ProductScalar, Real};
 use serde::Serialize;
 
 thread_local!(static COUNTS: Cell<Counts> = const { Cell::new(Counts::NONE) });
 
-/// What was done with [`Counted`] numbers.
+/// Counts of the operations on [`Counted`] numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Numbers made from a single: those that a model file stores, and the code's constants.
@@ -38,7 +38,7 @@ impl Counts {
     }
 }
 
-/// What a piece of work does with [`Counted`] numbers on this thread, and what it returns.
+/// Runs `work` and returns its result with the operations on [`Counted`] numbers that it did on this thread.
 pub fn count<R>(work: impl FnOnce() -> R) -> (R, Counts) {
     let outer = COUNTS.replace(Counts::NONE);
     let result = work();
@@ -101,22 +101,18 @@ impl fmt::Display for Counted {
     }
 }
 
-impl Real for Counted {
-    const ZERO: Self = Self(0.0);
-    const ONE: Self = Self(1.0);
-    const EPSILON: Self = Self(f32::EPSILON);
-
-    type Whole = i32;
-    const NO_WHOLE: i32 = 0;
+impl ProductScalar for Counted {
+    type Accumulator = i32;
+    const ZERO_SUM: i32 = 0;
     const MAX_FACTOR: Self = Self(f32::MAX_FACTOR);
-    type Pair = u32;
-    const NO_PAIR: u32 = f32::NO_PAIR;
+    type PackedFactors = u32;
+    const ZERO_FACTORS: u32 = f32::ZERO_FACTORS;
 
-    fn from_whole(whole: i32) -> Self {
-        Self(f32::from_whole(whole))
+    fn from_sum(sum: i32) -> Self {
+        Self(f32::from_sum(sum))
     }
-    fn pair(first: Self, second: Self) -> u32 {
-        f32::pair(first.0, second.0)
+    fn pack(first: Self, second: Self) -> u32 {
+        f32::pack(first.0, second.0)
     }
     fn add_products(sums: [i32; 2], entries: [u8; 4], pair: u32) -> [i32; 2] {
         note(|counts| {
@@ -126,6 +122,12 @@ impl Real for Counted {
         });
         f32::add_products(sums, entries, pair)
     }
+}
+
+impl Real for Counted {
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+    const EPSILON: Self = Self(f32::EPSILON);
 
     fn from_f32(value: f32) -> Self {
         note(|counts| counts.reads += 1);

@@ -171,7 +171,7 @@ fn range(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     })
 }
 
-/// Of a share of the scale, from 0 to 1.
-fn colour(share: f64) -> RGBColor {
+/// The colour of a share of the scale, from 0 to 1.
+pub(crate) fn colour(share: f64) -> RGBColor {
     ViridisRGB.get_color(share)
 }

@@ -16,7 +16,7 @@ const GAP: u32 = 6;
 pub(crate) struct Entry {
     pub(crate) name: String,
     pub(crate) colour: RGBColor,
-    /// What is drawn in this colour.
+    /// The curves that are drawn in this colour.
     pub(crate) marks: Vec<Mark>,
 }
 

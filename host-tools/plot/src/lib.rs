@@ -39,7 +39,7 @@ const FINEST: u32 = 10;
 const MAX_COLUMNS: usize = 2;
 const TEXT: &str = "sans-serif";
 
-/// Why a figure was not written.
+/// Errors of drawing and writing a figure.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The file name does not say which format is meant.
@@ -59,12 +59,12 @@ pub enum PlotError {
     Draw {
         /// The file asked for.
         path: PathBuf,
-        /// What the drawing library said.
+        /// The error of the drawing library.
         reason: String,
     },
 }
 
-/// Of a file with a figure.
+/// The file format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Vector graphics.
@@ -279,6 +279,34 @@ mod tests {
         for label in ["Decay", "exp(-x)", "samples", "Error", "a/l"] {
             assert!(text.contains(label), "{label} is missing");
         }
+        // The least value has the first colour of the scale, the greatest the last. The cells touch, as their centres
+        // are one width apart.
+        let [least, greatest] = [0.0, 1.0].map(|share| rectangles(&text, cells::colour(share)));
+        let ([least], [greatest]) = (&least[..], &greatest[..]) else {
+            panic!("one rectangle a cell: {least:?}, {greatest:?}");
+        };
+        let [x, y, width, height] = *least;
+        let expected = [x + width, y, width, height];
+        assert!(width > 0.0 && height > 0.0);
+        assert!(
+            expected.iter().zip(greatest).all(|(a, b)| (a - b).abs() <= 1.0),
+            "{least:?}, {greatest:?}"
+        );
+    }
+
+    /// Place and size `[x, y, width, height]` of the rectangles that are filled with a colour.
+    fn rectangles(svg: &str, colour: RGBColor) -> Vec<[f64; 4]> {
+        let RGBColor(red, green, blue) = colour;
+        let fill = format!("fill=\"#{red:02X}{green:02X}{blue:02X}\"");
+        let number = |line: &str, name: &str| -> f64 {
+            let (_, rest) = line.split_once(&format!(" {name}=\"")).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let filled = svg.split("<rect").skip(1).map(|rest| rest.split('>').next().unwrap());
+        let filled = filled.filter(|attributes| attributes.contains(&fill));
+        filled
+            .map(|attributes| ["x", "y", "width", "height"].map(|name| number(attributes, name)))
+            .collect()
     }
 
     #[test]

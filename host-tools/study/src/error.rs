@@ -1,4 +1,4 @@
-//! Why a study came to nothing.
+//! Errors of the studies.
 
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ pub enum StudyError {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A figure could not be drawn.

@@ -2,22 +2,22 @@
 //! where it stops to be stable.
 
 mod error;
-mod fresh;
 mod leave_one_out;
 mod random;
 mod report;
-pub mod sample;
 pub mod scenes;
 pub mod smoothness;
 pub mod speed;
 pub mod stability;
+pub mod suggest;
 pub mod task;
+mod test_set;
 pub mod touched;
 
 pub use error::StudyError;
-pub use fresh::{FRESH_TIMES, Fresh, InstantStated, Stated, fresh};
 pub use leave_one_out::{InstantErrors, Report, SampleErrors, leave_one_out};
 pub use report::report;
+pub use test_set::{InstantStated, Stated, TEST_TIMES, TestSetErrors, test_set};
 
 use capsule_core::Method;
 

@@ -1,4 +1,4 @@
-//! What a scene costs: counted, and timed beside what this machine can do at most.
+//! The cost of a scene: operation counts, and times with the peak rates of this machine.
 
 use capsule_core::{Method, Model};
 use capsule_opcount::{Arithmetic, Counted, count, peak, reading};
@@ -13,7 +13,7 @@ use crate::touched::touched;
 /// Bytes of the model that are told apart: a few cache lines.
 const BLOCK: usize = 256;
 
-/// What this machine can do at most, on one core.
+/// Peak rates of this machine, on one core.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Limits {
     /// Operations in a nanosecond, single precision, each rounded, in the widest registers.
@@ -38,7 +38,7 @@ impl Limits {
     }
 }
 
-/// What a task costs with direct evaluation in single precision.
+/// The cost of a task with direct evaluation in single precision.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Cost {
     /// Stored numbers that it reads, and constants; medians over the questions, as the next.
@@ -58,7 +58,7 @@ pub struct Cost {
     pub least_us: f64,
 }
 
-/// What every task costs. `with_bytes` finds out the bytes of the model too, which takes a minute.
+/// The cost of every task. `with_bytes` also finds the bytes of the model that each reads, which takes a minute.
 ///
 /// # Errors
 /// A file that cannot be opened; too few questions; a question that the model refuses.
@@ -90,7 +90,7 @@ pub fn scenes(file: &[u8], questions: &[Question], limits: &Limits, with_bytes: 
     counted.into_iter().zip(bytes).map(cost).collect()
 }
 
-/// What is counted of a task.
+/// The counts of a task.
 struct Counts {
     task: Task,
     /// Medians over the questions.

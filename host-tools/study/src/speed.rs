@@ -11,7 +11,7 @@ use crate::{StudyError, name};
 /// The time that a task takes, over many questions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Timing {
-    /// What was timed.
+    /// The task that was timed.
     pub task: &'static str,
     /// The method's name.
     pub method: &'static str,

@@ -1,9 +1,9 @@
-//! What callers ask, one kind of question each, and what stands ready to answer it.
+//! Tasks: the kinds of query that callers make, and the evaluator that answers them.
 
 use std::hint::black_box;
 
 use capsule_core::mechanics::Stencil;
-use capsule_core::model::wire::Reference;
+use capsule_core::model::Reference;
 use capsule_core::{
     Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Observables, Parameters, Playback, Query,
     Real, Scene, Segment, Workspace, playback_len, section,
@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::random::Random;
 
-/// What is looked at.
+/// The quantities that a task reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum What {
@@ -58,7 +58,7 @@ pub struct Task {
     pub new: bool,
     /// At which instants.
     pub when: When,
-    /// What is looked at.
+    /// The quantities that it reads.
     pub what: What,
 }
 
@@ -76,7 +76,7 @@ pub const QUERIES: [Task; 6] = [
     task("steady_state", true, When::End, What::Outline),
 ];
 
-/// What is asked of prepared parameters.
+/// A query at prepared parameters.
 pub const SCENES: [Task; 7] = [
     task("observables", false, When::Once, What::Observables),
     task("scene_outline", false, When::Once, What::Outline),
@@ -90,7 +90,7 @@ pub const SCENES: [Task; 7] = [
 /// All tasks that a model can be asked.
 pub fn tasks(model: &Model<'_>) -> impl Iterator<Item = Task> {
     let outline = model.node_set(MIDPLANE).is_some();
-    let membrane = matches!(model.contents().mesh.reference, Reference::Sphere);
+    let membrane = matches!(model.reference(), Reference::Sphere);
     QUERIES.into_iter().chain(SCENES).filter(move |task| match task.what {
         What::Outline => outline,
         What::Tensions => membrane,
@@ -120,7 +120,7 @@ pub fn questions(model: &Model<'_>, count: usize) -> Result<Vec<Question>, Study
     let mut random = Random(11);
     let end = f64::from(model.end_time()) - FRAME;
     let mut one = || {
-        let ranges = &model.contents().metadata.parameters;
+        let ranges = model.parameters();
         let values: Vec<f64> = ranges
             .iter()
             .map(|range| random.between(range.min, range.max))
@@ -165,7 +165,7 @@ impl<T: Real> Asker<T> {
     /// A model that does not fit the workspace.
     pub fn new(model: &Model<'_>, method: Method) -> Result<Self, EvaluateError> {
         let mesh = model.mesh();
-        let sphere = matches!(model.contents().mesh.reference, Reference::Sphere);
+        let sphere = matches!(model.reference(), Reference::Sphere);
         let sector = if sphere { mesh.sector_nodes().len() } else { 0 };
         let end = f64::from(model.end_time());
         let times = (1..=INSTANTS).map(|i| T::from_f64(end * i as f64 / INSTANTS as f64));
@@ -200,7 +200,7 @@ impl<T: Real> Asker<T> {
         }
     }
 
-    /// What comes before a task and does not belong to it.
+    /// Prepares for a task; this is not part of its cost.
     ///
     /// # Errors
     /// A question that the model refuses.

@@ -38,7 +38,7 @@ pub fn touched(file: &[u8], block: usize, task: &Task, question: &Question) -> R
         asker.answer(model, task, question)?;
         let mut what = task.what;
         if what == What::Nothing {
-            // What was prepared shows in what the whole file answers to it.
+            // The prepared state is compared by the answer that the whole file gives with it.
             what = What::Surface;
             asker.answer(
                 &whole,

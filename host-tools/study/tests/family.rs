@@ -9,7 +9,7 @@ use capsule_core::{Method, Model};
 use capsule_database::{Database, Description};
 use capsule_offline::{Settings, Storage, Truncation, build};
 use capsule_study::{
-    FRESH_TIMES, SampleErrors, StudyError, fresh, leave_one_out, sample::suggest, speed, task, touched,
+    SampleErrors, StudyError, TEST_TIMES, leave_one_out, speed, suggest::suggest, task, test_set, touched,
 };
 
 fn quiet(_: &str, _: usize, _: usize) {}
@@ -102,7 +102,7 @@ fn without_truncation_the_interpolation_errs_as_the_model_does() {
     }
     let (bytes, _) = build(&samples.1, &settings(), &quiet).unwrap();
     let model = Model::open(&bytes).unwrap();
-    let found = fresh(&model, &tests.1, Some(&samples.1), &FRESH_TIMES, &quiet).unwrap();
+    let found = test_set(&model, &tests.1, Some(&samples.1), &TEST_TIMES, &quiet).unwrap();
     assert_eq!(found.interpolation.len(), found.methods["direct"].len());
     for (alone, direct) in found.interpolation.iter().zip(&found.methods["direct"]) {
         assert!(alone.lab_max_percent > 0.1, "{alone:?}");
@@ -116,7 +116,7 @@ fn without_truncation_the_interpolation_errs_as_the_model_does() {
         }
     }
     // Snapshots on another mesh are refused.
-    assert!(fresh(&model, &tests.1, Some(&coarse.1), &FRESH_TIMES, &quiet).is_err());
+    assert!(test_set(&model, &tests.1, Some(&coarse.1), &TEST_TIMES, &quiet).is_err());
 }
 
 /// A model of a small grid of the family.
@@ -137,6 +137,24 @@ fn suggestions_spread_and_leave_less_to_expect() {
     for (i, suggestion) in found.iter().enumerate() {
         let before = found[..i].iter().any(|other| other.parameters == suggestion.parameters);
         assert!(!before, "{suggestion:?} comes twice");
+    }
+    // They spread: each of the first ones keeps a distance to all before it, in shares of the domain.
+    let ranges = &model.contents().metadata.parameters;
+    let distance = |a: &[f64], b: &[f64]| -> f64 {
+        let shares = a
+            .iter()
+            .zip(b)
+            .zip(ranges)
+            .map(|((a, b), r)| ((a - b) / (r.max - r.min)).powi(2));
+        shares.sum::<f64>().sqrt()
+    };
+    let closest = (1..12).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let closest = closest.map(|(i, j)| distance(&found[i].parameters, &found[j].parameters));
+    let closest = closest.fold(f64::INFINITY, f64::min);
+    assert!(closest > 0.1, "two suggestions are {closest} of the domain apart");
+    // A sample leaves no more to expect anywhere, so that the greatest expected error falls.
+    for pair in found.windows(2) {
+        assert!(pair[1].expected_percent <= 1.05 * pair[0].expected_percent, "{pair:?}");
     }
     let [first, last] = [&found[0], &found[119]].map(|suggestion| suggestion.expected_percent);
     assert!(last < 0.2 * first, "{first} to {last}");

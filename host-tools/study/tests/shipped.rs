@@ -4,7 +4,7 @@ use std::path::Path;
 
 use capsule_core::Model;
 use capsule_database::Database;
-use capsule_study::{FRESH_TIMES, Fresh, fresh};
+use capsule_study::{TEST_TIMES, TestSetErrors, test_set};
 
 /// Four at low Ca, four near the steady limit, four between.
 const CONFIGURATIONS: [&str; 12] = [
@@ -23,7 +23,7 @@ const CONFIGURATIONS: [&str; 12] = [
 ];
 
 /// Greatest mean and greatest error, in per cent of a and in the laboratory frame, that are admitted at each of
-/// [`FRESH_TIMES`]: at most twice those of the shipped model.
+/// [`TEST_TIMES`]: at most twice those of the shipped model.
 const DIRECT: [[f64; 2]; 6] = [
     [0.02, 0.07],
     [0.025, 0.05],
@@ -41,27 +41,27 @@ const PAPER: [[f64; 2]; 6] = [
     [0.55, 2.0],
 ];
 
-fn compared() -> Fresh {
-    let fresh_set = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/fresh");
+fn compared() -> TestSetErrors {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/test-set");
     let directory = tempfile::tempdir().unwrap();
     for name in CONFIGURATIONS.map(|name| format!("{name}.npz")) {
-        std::fs::copy(fresh_set.join(&name), directory.path().join(&name)).unwrap();
+        std::fs::copy(folder.join(&name), directory.path().join(&name)).unwrap();
     }
     for name in ["database.json", "mesh.npz"] {
-        std::fs::copy(fresh_set.join(name), directory.path().join(name)).unwrap();
+        std::fs::copy(folder.join(name), directory.path().join(name)).unwrap();
     }
     let tests = Database::open(directory.path()).unwrap();
     let file = include_bytes!("../../../models/capsule.crom");
     let model = Model::open(file).unwrap();
-    fresh(&model, &tests, None, &FRESH_TIMES, &|_, _, _| {}).unwrap()
+    test_set(&model, &tests, None, &TEST_TIMES, &|_, _, _| {}).unwrap()
 }
 
 #[test]
 fn errors_and_their_bounds_stay_as_good_as_they_are() {
-    let fresh = compared();
-    assert_eq!(fresh.samples, CONFIGURATIONS.len());
+    let errors = compared();
+    assert_eq!(errors.samples, CONFIGURATIONS.len());
     for (method, admitted) in [("direct", DIRECT), ("paper", PAPER)] {
-        let instants = &fresh.methods[method];
+        let instants = &errors.methods[method];
         for (instant, [mean, max]) in instants.iter().zip(admitted) {
             println!("{method}: {instant:?}");
             assert!(
@@ -71,7 +71,7 @@ fn errors_and_their_bounds_stay_as_good_as_they_are() {
         }
         // 95 % of the errors should be below their bound; of 72, two standard deviations of that are 5 %. A bound that
         // is always far away is no bound either.
-        let stated = &fresh.stated[method];
+        let stated = &errors.stated[method];
         println!("{method}: {stated:?}");
         assert!(stated.below_bound_percent >= 90.0, "{method}: {stated:?}");
         for (instant, errors) in stated.instants.iter().zip(instants) {

@@ -1,4 +1,4 @@
-//! Why a validation came to nothing.
+//! Errors of the validation and of the studies of the solver.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! What each time integrator costs for its accuracy.
+//! The cost of each time integrator against its accuracy.
 
 use std::time::Instant;
 
@@ -16,12 +16,12 @@ use crate::vector::greatest;
 pub struct Row {
     /// The integrator.
     pub integrator: Integrator,
-    /// What came of it.
+    /// Its outcome.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Outcome {

@@ -78,7 +78,7 @@ fn distance([x, r]: [f64; 2], line: &[[f64; 2]]) -> f64 {
     square.sqrt()
 }
 
-/// What a spline does at its ends.
+/// End conditions of a spline.
 #[derive(Clone, Copy, PartialEq)]
 enum End {
     /// Slope 0, as an even function.

@@ -1,8 +1,9 @@
 //! Running other programs, with errors that name the command.
 
-use crate::root;
+use crate::{root, target_directory};
 use anyhow::{Context, Result, bail};
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// A command that starts in the repository's root.
@@ -14,7 +15,7 @@ pub fn command(line: &str) -> Command {
 pub fn command_in(directory: &Path, line: &str) -> Command {
     let mut words = line.split_whitespace();
     let mut command = Command::new(words.next().unwrap_or_default());
-    command.args(words).current_dir(directory);
+    command.args(words).current_dir(directory).env("PATH", search_path());
     command
 }
 
@@ -29,7 +30,7 @@ pub fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// What the command prints on its standard output.
+/// Runs the command and returns its standard output.
 pub fn output(command: &mut Command) -> Result<String> {
     let shown = describe(command);
     let output = command
@@ -42,10 +43,20 @@ pub fn output(command: &mut Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("`{shown}` did not print UTF-8"))
 }
 
-/// Whether a program of this name is on the PATH.
+/// Whether a program of this name can be run.
 pub fn on_path(program: &str) -> bool {
-    std::env::var_os("PATH")
-        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
+    std::env::split_paths(&search_path()).any(|folder| folder.join(program).is_file())
+}
+
+/// The folders of the PATH, and after them those of the tools that `setup` installed.
+fn search_path() -> OsString {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let installed = std::fs::read_dir(target_directory().join("tools"));
+    let installed = installed.into_iter().flatten().flatten();
+    let folders: Vec<PathBuf> = std::env::split_paths(&path)
+        .chain(installed.map(|tool| tool.path().join("bin")))
+        .collect();
+    std::env::join_paths(folders).unwrap_or(path)
 }
 
 fn describe(command: &Command) -> String {

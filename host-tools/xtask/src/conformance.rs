@@ -8,13 +8,13 @@ use capsule_core::{Domain, Method, Model};
 use std::path::PathBuf;
 
 const INTRODUCTION: &str = "\
-# Queries of a model and the bits of their answers; docs/conformance.md describes the format.
+# Queries of a model and the bits of their answers; docs/reference/conformance.md describes the format.
 # Written by `cargo xtask conformance --write`.
 ";
 
 #[derive(clap::Args)]
 pub struct Options {
-    /// Write the answers of this machine, instead of checking them
+    /// Write the answers of this machine instead of checking them
     #[arg(long)]
     write: bool,
 }
@@ -45,7 +45,7 @@ pub fn conformance(options: &Options) -> Result<()> {
 
 /// Builds the module that Node and Chromium run, and returns where it is.
 pub fn module() -> Result<PathBuf> {
-    setup::rust_target(wasm::TARGET)?;
+    setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
         "cargo rustc --quiet --package capsule-conformance --crate-type cdylib --profile wasm --target {}",
         wasm::TARGET
@@ -106,14 +106,12 @@ impl Question {
 
 const STEP: f64 = 0.02;
 
-/// Queries in the interior, at samples, on edges and on the clusters' border, outside, and such as make no sense.
+/// Queries in the interior, at samples, on edges and on the clusters' border, outside, and invalid ones.
 fn questions(model: &Model<'_>) -> Vec<Question> {
-    let contents = model.contents();
     let end = f64::from(model.end_time());
     let range = |index: usize| {
-        contents
-            .metadata
-            .parameters
+        model
+            .parameters()
             .get(index)
             .map_or([0.0; 2], |range| [range.min, range.max])
     };
@@ -163,13 +161,13 @@ fn questions(model: &Model<'_>) -> Vec<Question> {
             }
         }
     }
-    for cluster in &contents.clusters {
-        for confinement in [cluster.min, cluster.max] {
+    for cluster in model.clusters() {
+        for confinement in cluster.range() {
             for offset in [-1e-3, 0.0, 1e-3] {
                 ask(Method::Direct, true, [0.05, confinement + offset, STEP, 1.5], 2);
             }
         }
-        let samples = capsule_core::model::MatrixView::new(&cluster.samples.parameters);
+        let samples = cluster.parameters();
         for i in (0..samples.rows()).step_by(samples.rows().div_ceil(8).max(1)) {
             let sample = [0, 1].map(|column| f64::from(samples.get(i, column)));
             ask(Method::Direct, true, [sample[0], sample[1], STEP, 4.0], 2);

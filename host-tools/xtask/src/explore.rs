@@ -1,7 +1,7 @@
 //! CapsuleExplorer: build and serve.
 
 use crate::command::{command_in, run};
-use crate::{root, setup, wasm};
+use crate::{notices, root, setup, wasm};
 use anyhow::{Context, Result, bail};
 
 #[derive(clap::Args)]
@@ -39,7 +39,14 @@ pub fn build() -> Result<()> {
             model.display()
         );
     }
-    setup::npm_modules("wasm/explorer")?;
+    setup::bring(&[setup::WASM, setup::EXPLORER_MODULES])?;
     wasm::build()?;
-    run(&mut command_in(&root().join("wasm/explorer"), "npm run build"))
+    let explorer = root().join("wasm/explorer");
+    run(&mut command_in(&explorer, "npm run build"))?;
+    // Vite writes the notices of the npm packages that it bundles; the module's crates follow.
+    let notices = explorer.join("dist").join(notices::FILE);
+    let texts = [notices.clone(), explorer.join("src/wasm").join(notices::FILE)].map(std::fs::read_to_string);
+    let [packages, crates] = texts;
+    std::fs::write(&notices, format!("{}\n{}", packages?, crates?))
+        .with_context(|| format!("could not write {}", notices.display()))
 }

@@ -1,7 +1,8 @@
-//! Fuzzing: the targets of tests/fuzz/, each from its seeds, with what it finds kept in the target directory.
+//! Fuzzing: the targets of tests/fuzz/, each from its seeds. The corpus grows in the target directory.
 
-use crate::command::{command, on_path, run};
-use crate::{root, setup, target_directory};
+use crate::command::{command, run};
+use crate::setup::{self, Tool};
+use crate::{root, target_directory};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::Command;
@@ -9,12 +10,12 @@ use std::thread;
 
 struct Target {
     name: &'static str,
-    /// The longest input that says anything to it.
+    /// The length beyond which the target ignores its input, in bytes.
     longest: u32,
     sanitizer: &'static str,
 }
 
-/// Where no code is unsafe the address sanitizer finds nothing, and takes two thirds of the time.
+/// Without unsafe code the address sanitizer finds nothing, and takes two thirds of the time.
 const TARGETS: [Target; 3] = [
     Target {
         name: "model",
@@ -33,6 +34,9 @@ const TARGETS: [Target; 3] = [
     },
 ];
 
+/// The tools of fuzzing.
+const TOOLS: [Tool; 4] = [setup::NIGHTLY, setup::PIP, setup::CARGO_FUZZ, setup::GCC];
+
 #[derive(clap::Args)]
 pub struct Options {
     /// How long each target runs
@@ -40,7 +44,7 @@ pub struct Options {
     pub seconds: u32,
 }
 
-/// Replays the seeds of every target and inputs made of them: needs nothing but the stable compiler.
+/// Replays the seeds of every target, and inputs derived from them, with the stable compiler.
 pub fn replay() -> Result<()> {
     run(
         command("cargo test --quiet --manifest-path tests/fuzz/Cargo.toml --target-dir")
@@ -48,16 +52,14 @@ pub fn replay() -> Result<()> {
     )
 }
 
-/// Whether all that fuzzing needs is there.
+/// Whether the tools of fuzzing are there.
 pub fn is_set_up() -> bool {
-    on_path("cargo-fuzz") && on_path("g++") && setup::has_nightly("")
+    TOOLS.iter().all(Tool::is_there)
 }
 
 /// Runs the targets side by side; an input that fails is kept, and named.
 pub fn fuzz(options: &Options) -> Result<()> {
-    setup::nightly("")?;
-    setup::debian_package("g++", "g++")?;
-    setup::cargo_subcommand("fuzz")?;
+    setup::bring(&TOOLS)?;
     let folder = target_directory().join("fuzz");
     for target in &TARGETS {
         run(&mut target.cargo_fuzz("build", &folder))?;
@@ -81,8 +83,8 @@ pub fn fuzz(options: &Options) -> Result<()> {
 }
 
 impl Target {
-    /// A call of cargo-fuzz. Where numbers are compared in every line, to trace each comparison finds nothing and takes
-    /// most of the time.
+    /// A call of cargo-fuzz. Numerical code compares in every line: tracing each comparison finds nothing and takes most
+    /// of the time.
     fn cargo_fuzz(&self, what: &str, folder: &Path) -> Command {
         let Self { name, sanitizer, .. } = self;
         let mut cargo_fuzz = command(&format!(

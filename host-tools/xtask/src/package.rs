@@ -1,7 +1,8 @@
-//! Ready archives of the C interface, one a target: header, static library, model, examples.
+//! Ready archives of the C interface, one a target: header, static library, model, examples, licences.
 
 use crate::command::{command, output, run};
-use crate::{header, root, setup, target_directory};
+use crate::setup::{self, Tool};
+use crate::{header, notices, root, target_directory};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -58,6 +59,9 @@ pub fn folder(target: &str) -> Result<PathBuf> {
     for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&root().join(licence), &folder.join(licence))?;
     }
+    let notices = folder.join(notices::FILE);
+    fs::write(&notices, notices::of("capsule-capi", target)?)
+        .with_context(|| format!("could not write {}", notices.display()))?;
     copy(&root().join("models/capsule.crom"), &folder.join("models/capsule.crom"))?;
     for part in ["examples", "examples/cortex-m"] {
         for entry in fs::read_dir(source.join(part)).with_context(|| format!("core/capi/{part}"))? {
@@ -79,7 +83,7 @@ fn build(library: &Library, target: &str) -> Result<PathBuf> {
 /// Builds the C interface for a target. A function that LLVM weighs more than seven instructions is called: on a
 /// Cortex-M4F that takes 2 % less code than its own limit for size.
 pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
-    setup::rust_target(target)?;
+    setup::bring(&[Tool::Target(target)])?;
     let cpu = match target {
         CORTEX_M => Some("cortex-m4"),
         CORTEX_M33 => Some("cortex-m33"),
@@ -90,7 +94,7 @@ pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str)
          --target {target} -- -C llvm-args=-inline-threshold=7 {flags}",
         library.features
     ));
-    // Every crate is told the processor: capsule-dsp finds out which instructions it has.
+    // The processor is set for every crate: capsule-dsp chooses its instructions by it.
     if let Some(cpu) = cpu {
         build
             .env("RUSTFLAGS", format!("-C target-cpu={cpu}"))

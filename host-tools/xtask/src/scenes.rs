@@ -1,5 +1,5 @@
-//! What a scene costs, as a table for docs/measurements.md: what `capsule-rom study scenes` counts and times, and the
-//! instructions that callgrind counts.
+//! The cost of each scene, as a table for docs/reports/speed.md: the counts and times of `capsule-rom study scenes`, and
+//! the instructions counted by callgrind.
 
 use crate::command::{command, output, run};
 use crate::{setup, target_directory};
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// Prints the table.
 pub fn scenes() -> Result<()> {
-    setup::debian_package("valgrind", "valgrind")?;
+    setup::bring(&[setup::VALGRIND])?;
     run(&mut command("cargo build --quiet --release --package capsule-cli"))?;
     let program = target_directory().join("release/capsule-rom");
     let program = program.to_str().context("the target directory is not UTF-8")?;

@@ -1,9 +1,11 @@
-//! All checks, in stages: a stage whose tools cannot be had is named and left out, the others still run.
+//! All checks, in stages: a stage whose tools are missing is named and left out, the others still run.
 
 use crate::command::{command, command_in, run};
-use crate::{budgets, conformance, explore, fuzz, package, root, setup};
+use crate::setup::{self, Tool};
+use crate::{book, budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -12,7 +14,7 @@ pub struct Options {
     #[arg(long, value_enum, value_delimiter = ',')]
     only: Vec<Stage>,
     /// Fail when a stage's tools are missing, instead of leaving the stage out (CI does)
-    #[arg(long, env = "CI", value_parser = clap::builder::FalseyValueParser::new())]
+    #[arg(long, env = "CI", hide_env = true, value_parser = clap::builder::FalseyValueParser::new())]
     require_all: bool,
 }
 
@@ -20,15 +22,25 @@ pub struct Options {
 enum Stage {
     /// rustfmt, clippy, rustdoc
     Lint,
-    /// unit, property and command tests of every crate
+    /// words of sources and documents (typos)
+    Spelling,
+    /// licences, duplicate versions and sources of the dependencies (cargo-deny)
+    Licences,
+    /// the documents: links, figures against stored results, code, the book
+    Book,
+    /// unit, property and command tests of every crate (nextest), and the examples in documentation
     Rust,
+    /// the full-order model against exact and published results, in short
+    Validate,
+    /// the core and its C interface in Miri, which finds undefined behaviour
+    Miri,
     /// the core on emulated Cortex-M4F, M7 and M33
     Firmware,
     /// the C interface: its archives, on this machine and on emulated Cortex-M4F, M7 and M33
     C,
     /// instructions, stack and bytes of the online stage on an emulated Cortex-M4F
     Budgets,
-    /// the seeds of fuzzing and inputs made of them; libFuzzer for a few seconds where it is installed
+    /// the seeds of fuzzing and inputs made of them; libFuzzer for a few seconds where its tools are there
     Fuzz,
     /// a sharded sweep on a Slurm of one node
     Cluster,
@@ -37,48 +49,47 @@ enum Stage {
 }
 
 impl Stage {
-    const ALL: [Self; 8] = [
-        Self::Lint,
-        Self::Rust,
-        Self::Firmware,
-        Self::C,
-        Self::Budgets,
-        Self::Fuzz,
-        Self::Cluster,
-        Self::Browser,
-    ];
-
-    /// Brings what the stage needs beyond rustup.
-    fn set_up(self) -> Result<()> {
+    /// The tools of the stage, beyond rustup and Node.
+    fn tools(self) -> &'static [Tool<'static>] {
         match self {
-            Self::Lint | Self::Rust | Self::Fuzz => Ok(()),
-            Self::Firmware => {
-                setup::rust_target(package::CORTEX_M)?;
-                setup::rust_target(package::CORTEX_M33)?;
-                setup::debian_package("qemu-system-arm", "qemu-system-arm")
-            }
-            Self::Budgets => {
-                setup::rust_target(package::CORTEX_M)?;
-                setup::debian_package("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")?;
-                setup::debian_package("qemu-system-arm", "qemu-system-arm")
-            }
-            Self::C => {
-                setup::rust_target(package::CORTEX_M)?;
-                setup::rust_target(package::CORTEX_M33)?;
-                setup::debian_package("gcc", "gcc g++ libc6-dev")?;
-                setup::debian_package("clang", "clang")?;
-                setup::debian_package("valgrind", "valgrind")?;
-                setup::debian_package("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")?;
-                setup::debian_package("qemu-system-arm", "qemu-system-arm")
-            }
-            Self::Cluster => setup::debian_package("slurmctld", "slurmctld slurmd slurm-client munge"),
-            Self::Browser => {
-                setup::rust_target("wasm32-unknown-unknown")?;
-                setup::debian_package("chromium", "chromium")?;
-                setup::npm_modules("wasm/explorer")?;
-                setup::npm_modules("tests/browser")
-            }
+            Self::Lint | Self::Validate | Self::Fuzz => &[],
+            Self::Spelling => &[setup::PIP, setup::TYPOS],
+            Self::Book => &[setup::PIP, setup::MDBOOK],
+            Self::Licences => &[setup::PIP, setup::DENY],
+            Self::Rust => &[setup::PIP, setup::NEXTEST],
+            Self::Miri => &[setup::MIRI],
+            Self::Firmware => &[setup::CORTEX_M, setup::CORTEX_M33, setup::QEMU],
+            Self::C => &[
+                setup::CORTEX_M,
+                setup::CORTEX_M33,
+                setup::GCC,
+                setup::CLANG,
+                setup::VALGRIND,
+                setup::ARM_GCC,
+                setup::QEMU,
+            ],
+            // wasm-opt, an npm module of the page, makes the module that is measured.
+            Self::Budgets => &[
+                setup::CORTEX_M,
+                setup::WASM,
+                setup::ARM_GCC,
+                setup::QEMU,
+                setup::EXPLORER_MODULES,
+            ],
+            Self::Cluster => &[setup::SLURM],
+            Self::Browser => &[
+                setup::WASM,
+                setup::CHROMIUM,
+                setup::EXPLORER_MODULES,
+                setup::BROWSER_MODULES,
+            ],
         }
+    }
+
+    /// Whether the stage may be missing from a complete run: nightly toolchains come from a server of their own, which
+    /// a closed network does not reach.
+    fn is_optional(self) -> bool {
+        self == Self::Miri
     }
 
     fn run(self) -> Result<()> {
@@ -90,11 +101,19 @@ impl Stage {
                 ))?;
                 run(command("cargo doc --quiet --workspace --no-deps").env("RUSTDOCFLAGS", "-D warnings"))
             }
-            Self::Rust => run(&mut command("cargo test --workspace --no-fail-fast")),
-            Self::Firmware => run(&mut command("cargo test --package capsule-core --test firmware")),
+            Self::Spelling => run(&mut command("typos")),
+            Self::Licences => licences::check(),
+            Self::Book => book::book(&book::Options::default()),
+            Self::Rust => {
+                run(&mut command("cargo nextest run --workspace --no-fail-fast"))?;
+                run(&mut command("cargo test --workspace --doc --no-fail-fast"))
+            }
+            Self::Validate => run(command(&program()?.to_string_lossy()).args(["fom", "validate", "--quick"])),
+            Self::Miri => miri::miri(&miri::Options { quick: true }),
+            Self::Firmware => run(&mut command("cargo test --workspace --test firmware")),
             Self::C => {
                 let host = package::host()?;
-                let mut test = command("cargo test --package capsule-capi --test c");
+                let mut test = command("cargo test --workspace --test c");
                 for (variable, target) in [
                     ("CAPSULE_HOST_PACKAGE", &*host),
                     ("CAPSULE_CORTEX_M_PACKAGE", package::CORTEX_M),
@@ -110,14 +129,14 @@ impl Stage {
                 if fuzz::is_set_up() {
                     fuzz::fuzz(&fuzz::Options { seconds: 20 })
                 } else {
-                    eprintln!("libFuzzer is left out: `cargo xtask fuzz` installs what it needs");
+                    eprintln!("libFuzzer is left out: `cargo xtask fuzz --install` brings its tools");
                     Ok(())
                 }
             }
-            Self::Cluster => run(&mut command("cargo test --package capsule-cli --test slurm")),
+            Self::Cluster => run(&mut command("cargo test --workspace --test slurm")),
             Self::Browser => {
                 explore::build()?;
-                run(&mut command("cargo build --quiet --package capsule-cli"))?;
+                program()?;
                 run(&mut command_in(&root().join("wasm/explorer"), "npm run check"))?;
                 run(&mut command_in(&root().join("wasm/explorer"), "npm run lint"))?;
                 run(command_in(&root().join("tests/browser"), "npm test")
@@ -127,19 +146,48 @@ impl Stage {
     }
 }
 
+/// Builds `capsule-rom`, which an integration test of its own needs, and returns where it is. Every build of a stage is
+/// one of the whole workspace's tests: with one package alone, cargo chooses other features, and compiles most crates
+/// again.
+fn program() -> Result<PathBuf> {
+    run(&mut command("cargo test --quiet --workspace --test command --no-run"))?;
+    Ok(target_directory().join("debug/capsule-rom"))
+}
+
+/// Installs the tools of all stages.
+pub fn set_up() -> Result<()> {
+    setup::bring(&tools_of(Stage::value_variants()))
+}
+
+/// The tools of some stages, each once.
+fn tools_of(stages: &[Stage]) -> Vec<Tool<'static>> {
+    let mut tools = Vec::new();
+    for tool in stages.iter().flat_map(|stage| stage.tools()) {
+        if !tools.contains(tool) {
+            tools.push(*tool);
+        }
+    }
+    tools
+}
+
 /// Runs the stages; fails if one failed.
 pub fn test(options: &Options) -> Result<()> {
+    let stages: Vec<Stage> = Stage::value_variants()
+        .iter()
+        .copied()
+        .filter(|stage| options.only.is_empty() || options.only.contains(stage))
+        .collect();
+    if let Err(error) = setup::bring(&tools_of(&stages)) {
+        eprintln!("warning: {error:#}");
+    }
     let mut report = Vec::new();
     let mut failed = false;
-    for stage in Stage::ALL {
-        if !options.only.is_empty() && !options.only.contains(&stage) {
-            continue;
-        }
+    for stage in stages {
         let start = Instant::now();
-        let line = match stage.set_up() {
+        let line = match setup::require(stage.tools()) {
             Err(error) => {
-                failed |= options.require_all;
-                format!("LEFT OUT, tools are missing:\n    {error:#}")
+                failed |= options.require_all && !stage.is_optional();
+                format!("LEFT OUT, {error:#}")
             }
             Ok(()) => match stage.run() {
                 Ok(()) => "passed".to_owned(),

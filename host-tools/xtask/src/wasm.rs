@@ -2,7 +2,7 @@
 //! crate), then wasm-opt from the page's npm modules.
 
 use crate::command::{command, run};
-use crate::{root, setup, target_directory};
+use crate::{notices, root, setup, target_directory};
 use anyhow::{Context, Result};
 use std::path::Path;
 
@@ -24,7 +24,7 @@ const RUSTC_FEATURES: [&str; 8] = [
 
 /// Builds `wasm/explorer/src/wasm/`.
 pub fn build() -> Result<()> {
-    setup::rust_target(TARGET)?;
+    setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
         "cargo build --quiet --package capsule-wasm --profile wasm --target {TARGET}"
     )))?;
@@ -36,12 +36,14 @@ pub fn build() -> Result<()> {
         .typescript(true)
         .generate(&folder)
         .with_context(|| format!("wasm-bindgen on {}", module.display()))?;
+    std::fs::write(folder.join(notices::FILE), notices::of("capsule-wasm", TARGET)?)
+        .with_context(|| format!("could not write {}", notices::FILE))?;
     optimise(&folder.join("capsule_wasm_bg.wasm"), "-O3")
 }
 
 /// Optimises a module in place, by these options of wasm-opt.
 pub fn optimise(module: &Path, options: &str) -> Result<()> {
-    setup::npm_modules("wasm/explorer")?;
+    setup::bring(&[setup::EXPLORER_MODULES])?;
     let wasm_opt = root().join("wasm/explorer/node_modules/.bin/wasm-opt");
     run(command(&wasm_opt.to_string_lossy())
         .args(options.split_whitespace())

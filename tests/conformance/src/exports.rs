@@ -1,4 +1,4 @@
-//! What a JavaScript engine calls. The module holds the model and the vectors, so that nothing passes but counts.
+//! Functions that a JavaScript engine calls. The module holds the model and the vectors, so that only counts cross.
 
 use crate::{Asker, Precision, check};
 use core::sync::atomic::{AtomicU32, Ordering};

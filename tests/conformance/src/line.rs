@@ -1,4 +1,4 @@
-//! What is asked: the words of a line before the answer.
+//! The question: the words of a line before the answer.
 
 use crate::words::{Text, Word};
 use capsule_core::Method;
@@ -70,7 +70,7 @@ pub struct Case {
     pub extrapolate: bool,
     /// Bits of Ca, a/l, the step and t.
     pub numbers: [u64; 4],
-    /// What is asked.
+    /// The question.
     pub ask: Ask,
 }
 

@@ -48,7 +48,7 @@ impl<const N: usize> Text<N> {
         }
     }
 
-    /// What was written.
+    /// The text written so far.
     pub fn as_str(&self) -> &str {
         str::from_utf8(self.bytes.get(..self.length).unwrap_or_default()).unwrap_or_default()
     }

@@ -1,6 +1,6 @@
-//! Calls of the C interface in any order, with pointers that are null, misaligned, or point into an object of the call,
-//! and with sizes of all kinds. They are refused, or answered with finite numbers; nothing is written where nothing may
-//! be, which the address sanitizer sees; where a call fails its outputs are as they were, and the error says why.
+//! Calls of the C interface in any order, with any sizes, and with pointers that are null, misaligned, or point into an
+//! object of the call. Each call is refused or answers finite numbers. The address sanitizer checks that nothing else
+//! is written; a call that fails leaves its outputs unchanged and reports the reason.
 
 use crate::{FILE, Number, input, with_header};
 use arbitrary::Arbitrary;
@@ -8,8 +8,8 @@ use capsule_capi::*;
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
 
-/// Where a pointer points. What the interface leaves to its callers is not tried: memory that is not there, and objects
-/// that the call does not know of.
+/// The target of a pointer. The callers of the interface promise that the memory exists and that no object outside the
+/// call overlaps it, so these cases are left out.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 enum Place {
     /// Memory of its own.
@@ -28,7 +28,7 @@ struct Memory {
 }
 
 impl Memory {
-    /// Exactly as much as is needed, up to a word, so that the sanitizer sees what is written beyond it.
+    /// The size that the call needs, rounded up to a word, so that the sanitizer sees writes beyond it.
     fn new(place: Place, bytes: usize) -> Self {
         let before = match place {
             Place::Odd(before) => before.into(),
@@ -52,7 +52,7 @@ impl Memory {
         }
     }
 
-    /// What was written, if it was written to memory of its own that starts with it.
+    /// The written bytes, if the pointer has memory of its own and points to its start.
     fn numbers<'a>(&'a self, count: usize) -> impl Iterator<Item = f32> + 'a {
         let halves = self.words.iter().flat_map(|word| [*word as u32, (*word >> 32) as u32]);
         let own = matches!(self.place, Place::Right);
@@ -117,7 +117,7 @@ struct Call {
     most: u16,
 }
 
-/// A model, one cut short under a right header, and none at all.
+/// A model, a truncated one under a valid header, and an empty file.
 static FILES: LazyLock<[Vec<u8>; 3]> =
     LazyLock::new(|| [FILE.clone(), with_header(&FILE[16..FILE.len() - 1]), vec![7; 40]]);
 
@@ -127,7 +127,7 @@ struct Objects {
 }
 
 impl Objects {
-    /// Makes the call; says how many finite numbers the answer must start with.
+    /// Makes the call; returns how many finite numbers the answer must start with.
     fn make(&mut self, call: &Call, out: &mut Memory, count: &mut Memory, error: &mut Memory) -> (Status, usize) {
         let space = &raw mut *self.workspace;
         let model = if call.no_model {
@@ -176,7 +176,7 @@ impl Objects {
                         parameter_count: if count < 4 { count.into() } else { 2 },
                         method: (method % 4).into(),
                         extrapolate: extrapolate.into(),
-                        // Not many steps: an execution shall be short.
+                        // Few steps: executions stay short.
                         step: if 0.0 < step && step < 0.1 { 0.1 } else { step },
                     };
                     let query = if none && extrapolate { null() } else { &raw const query };
@@ -243,18 +243,18 @@ impl Call {
         !(takes_none || self.no_workspace)
     }
 
-    /// More than the small model needs, and never so much that clearing it is what takes the time.
+    /// More than the small model needs, and little enough that clearing it takes no time.
     fn capacity(&self) -> usize {
         usize::from(self.most) % 512
     }
 
-    /// Whether the outputs are left as they were where the call fails.
+    /// Whether a call that fails leaves its outputs unchanged.
     fn leaves_its_outputs(&self) -> bool {
-        // The domain is said, and the scratch of the membrane used.
+        // These write the domain and the scratch of the membrane.
         !matches!(self.function, Function::Prepare { .. } | Function::Membrane)
     }
 
-    /// Whether the call may be made: pointers into the workspace only with the workspace.
+    /// Whether the call may be made: pointers into the workspace need a workspace.
     fn is_fair(&self) -> bool {
         let inside = [self.out, self.count, self.error]
             .iter()
@@ -263,7 +263,7 @@ impl Call {
     }
 }
 
-/// Makes the calls that the bytes stand for, sixteen at most.
+/// Makes the calls that the bytes encode, sixteen at most.
 pub fn calls(bytes: &[u8]) {
     let Some(calls) = input::<Vec<Call>>(bytes) else {
         return;
@@ -278,7 +278,7 @@ pub fn calls(bytes: &[u8]) {
     };
     for call in calls.iter().filter(|call| call.is_fair()).take(16) {
         let before = objects.workspace.opaque;
-        // The largest value that a pointer of the interface is for.
+        // The largest value behind a pointer of the interface.
         let largest = size_of::<Description>();
         let mut out = Memory::new(call.out, largest.max(4 * call.capacity()));
         let mut count = Memory::new(call.count, largest);

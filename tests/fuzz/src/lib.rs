@@ -1,5 +1,5 @@
-//! The fuzz targets' work on bytes, so that a test can do it too; and what they share: a small model, numbers near
-//! and far from its ranges, and what must be true of answers.
+//! The work of the fuzz targets, for the targets and for the replay test, and what they share: a small model, numbers
+//! near and far from its ranges, and checks of the answers.
 
 mod calls;
 mod model;
@@ -17,7 +17,7 @@ mod header;
 use arbitrary::{Arbitrary, Unstructured};
 use capsule_core::mechanics::Totals;
 use capsule_core::{
-    DIAGONAL, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, model::wire::MAX_PARAMETERS,
+    DIAGONAL, Evaluator, Frame, MAX_PARAMETERS, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace,
 };
 use std::sync::LazyLock;
 
@@ -27,7 +27,7 @@ use header::with_header;
 /// A small model's file.
 static FILE: LazyLock<Vec<u8>> = LazyLock::new(|| Family::small().file());
 
-/// A number: most of them near a range, some of them any pattern of bits.
+/// A number: usually near a range, sometimes any pattern of bits.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 enum Number {
     Bits(u32),
@@ -44,7 +44,7 @@ impl Number {
     }
 }
 
-/// A query and the instants that it is asked for.
+/// A query and its instants.
 #[derive(Arbitrary, Debug)]
 struct Question {
     parameters: [Number; MAX_PARAMETERS],
@@ -55,12 +55,12 @@ struct Question {
     node: u16,
 }
 
-/// What bytes stand for; bytes that are too few stand for nothing.
+/// The value that the bytes encode, if there are enough of them.
 fn input<'a, I: Arbitrary<'a>>(bytes: &'a [u8]) -> Option<I> {
     I::arbitrary_take_rest(Unstructured::new(bytes)).ok()
 }
 
-/// Asks a model for everything: what it answers is finite.
+/// Asks a model every question, and checks that the answers are finite.
 ///
 /// # Panics
 /// If an answer is not finite.
@@ -68,7 +68,7 @@ fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
     let Ok(mut evaluator) = Evaluator::new(model, workspace) else {
         return;
     };
-    let ranges = &model.contents().metadata.parameters;
+    let ranges = model.parameters();
     let parameters: Vec<f32> = question
         .parameters
         .iter()
@@ -81,7 +81,7 @@ fn ask(model: &Model<'_>, workspace: &mut Workspace<f32>, question: &Question) {
     let method = if question.paper { Method::Paper } else { Method::Direct };
     let end = model.end_time();
     let step = question.step.of([end / 64.0, end]);
-    // Not many steps: an execution shall be short.
+    // Few steps: executions stay short.
     if 0.0 < step && step < end / 64.0 {
         return;
     }

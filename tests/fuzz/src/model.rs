@@ -1,5 +1,5 @@
-//! Model files: bytes as they come, bytes with a right header, and a small model with bytes changed under a right
-//! header. What opens gives errors or finite answers.
+//! Model files: any bytes, any bytes under a valid header, and a small model with changed bytes under a valid header. A
+//! file that opens gives errors or finite answers.
 
 use crate::{FILE, Question, ask, input, with_header};
 use arbitrary::Arbitrary;
@@ -10,7 +10,7 @@ use std::cell::RefCell;
 enum File<'a> {
     Raw(&'a [u8]),
     Payload(&'a [u8]),
-    /// Where a byte is changed, and what is flipped of it.
+    /// Places of changed bytes, and the bits that are flipped there.
     Changed([(u32, u8); 4]),
 }
 
@@ -20,7 +20,7 @@ thread_local! {
     static WORKSPACE: RefCell<Box<Workspace<f32>>> = RefCell::new(Box::default());
 }
 
-/// Opens what the bytes stand for and asks it.
+/// Opens the file that the bytes encode and asks it every question.
 pub fn model(bytes: &[u8]) {
     let Some((question, file)) = input::<(Question, File<'_>)>(bytes) else {
         return;

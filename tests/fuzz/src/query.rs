@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 static MODEL: LazyLock<Model<'static>> = LazyLock::new(|| Model::open(&FILE).expect("the small model opens"));
 
 thread_local! {
-    /// Kept from one execution to the next: what one query leaves must not disturb another.
+    /// Shared by all executions: no query may disturb the next one.
     static WORKSPACE: RefCell<Box<Workspace<f32>>> = RefCell::new(Box::default());
 }
 

@@ -1,12 +1,12 @@
-//! The seeds of every target, and some thousand inputs that differ from one of them by a few bytes: always the same
-//! ones, so that what fails here fails again.
+//! The seeds of every target, and ten thousand inputs that differ from a seed in a few bytes. The inputs are the same
+//! in every run, so that a failure can be repeated.
 
 use std::fs;
 
-/// Inputs made of each target's seeds.
+/// Number of inputs derived from each target's seeds.
 const MADE: usize = 10_000;
 
-/// Numbers without a visible order (xorshift, Marsaglia 2003).
+/// Pseudo-random numbers (xorshift, Marsaglia 2003).
 struct Numbers(u64);
 
 impl Numbers {

@@ -7,6 +7,13 @@ use crate::{Description, Method, Model, Parameter, Status, Workspace};
 use capsule_core as rom;
 use core::ffi::{c_char, c_void};
 
+/// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled with.
+#[unsafe(no_mangle)]
+pub extern "C" fn capsule_v1_version() -> *const c_char {
+    const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+    VERSION.as_ptr().cast()
+}
+
 /// The meaning of a status, as a sentence that ends with a zero.
 #[unsafe(no_mangle)]
 pub extern "C" fn capsule_v1_status_text(status: u32) -> *const c_char {
@@ -59,19 +66,19 @@ pub unsafe extern "C" fn capsule_v1_describe(
         let points = |outline| model.node_set(outline).map_or(0, |nodes| nodes.len());
         out.write(Description {
             digest: model.digest(),
-            parameter_count: model.contents().metadata.parameters.len(),
+            parameter_count: model.parameters().len(),
             nodes: mesh.nodes(),
             sector_nodes: mesh.sector_nodes().len(),
             midplane_points: points(rom::MIDPLANE),
             diagonal_points: points(rom::DIAGONAL),
             end_time: model.end_time(),
-            method: match model.contents().default_method {
+            method: match model.default_method() {
                 rom::Method::Direct => Method::Direct,
                 rom::Method::Paper => Method::Paper,
             },
-            law: model.contents().metadata.membrane_law.as_ptr().cast(),
-            law_length: model.contents().metadata.membrane_law.len(),
-            bending_stiffness: model.contents().metadata.bending_stiffness.map_or(-1.0, |b| b as f32),
+            law: model.membrane_law().as_ptr().cast(),
+            law_length: model.membrane_law().len(),
+            bending_stiffness: model.bending_stiffness().map_or(-1.0, |b| b as f32),
         });
         Ok(())
     };
@@ -94,7 +101,7 @@ pub unsafe extern "C" fn capsule_v1_describe_parameter(
     let mut work = move |failure: &mut Error| {
         // SAFETY: the caller keeps the contract of `functions`.
         let (model, out) = unsafe { (failure.record(model.content())?, out.memory()) };
-        let parameters = &model.contents().metadata.parameters;
+        let parameters = model.parameters();
         let found = parameters
             .get(index)
             .ok_or_else(|| failure.choice("parameter", index, parameters.len() - 1))?;

@@ -51,7 +51,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             workspace.invalidate();
             Err(failed)
         };
-        let (expected, found) = (model.contents().metadata.parameters.len(), query.parameter_count);
+        let (expected, found) = (model.parameters().len(), query.parameter_count);
         // SAFETY: the caller keeps the contract of `functions`.
         let parameters = Some(found)
             .filter(|found| *found == expected)
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn capsule_v1_prepare(
             );
         };
         let method = match query.method {
-            0 => model.contents().default_method,
+            0 => model.default_method(),
             1 => rom::Method::Direct,
             2 => rom::Method::Paper,
             other => return refused(workspace, failure.choice("method", other as usize, 2)),
@@ -100,7 +100,7 @@ unsafe fn parameters_of(query: &Place<Query>, model: &Place<Model>) -> Buffer<f3
     }
     // SAFETY: the caller keeps the contract of `functions`.
     let (query, model) = unsafe { (query.start().read(), model.content()) };
-    let most = model.map_or(0, |model| model.contents().metadata.parameters.len());
+    let most = model.map_or(0, |model| model.parameters().len());
     Buffer::input(query.parameters, query.parameter_count.min(most))
 }
 

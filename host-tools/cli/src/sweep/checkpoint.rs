@@ -1,4 +1,4 @@
-//! Runs that were interrupted, in a hidden folder of the database, where nothing counts as data.
+//! Checkpoints of interrupted runs, in a hidden folder of the database, where no file counts as data.
 
 use anyhow::{Context, Result};
 use capsule_database::Database;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// The interrupted runs of one database under one solver.
 pub struct Checkpoints {
     folder: PathBuf,
-    /// What must agree for a run to go on: program and settings.
+    /// Program and settings; a run is resumed only if they agree.
     solver: String,
 }
 
@@ -27,7 +27,7 @@ impl Checkpoints {
         &self.folder
     }
 
-    /// The interrupted run of a configuration, if there is a sound one of the same program and settings.
+    /// The interrupted run of a configuration, if there is a valid one by the same program and settings.
     pub fn read(&self, configuration: &Configuration) -> Option<Run> {
         let bytes = std::fs::read(self.file(configuration)).ok()?;
         let (solver, run): (String, Run) = postcard::from_bytes(&bytes).ok()?;
@@ -44,7 +44,7 @@ impl Checkpoints {
 
     /// Forgets the run of a configuration, which has ended, and the folder with the last one.
     pub fn forget(&self, configuration: &Configuration) {
-        // What is missing need not be removed, and a folder that is not empty stays.
+        // A missing file need not be removed, and a folder that is not empty stays.
         let _ = std::fs::remove_file(self.file(configuration));
         let _ = std::fs::remove_dir(&self.folder);
     }

@@ -1,4 +1,4 @@
-//! Which configurations a sweep considers: rows of equal confinement, by rising capillary number.
+//! The configurations of a sweep: rows of equal confinement, by rising capillary number.
 
 use anyhow::{Result, bail};
 use capsule_fom::Configuration;
@@ -177,7 +177,7 @@ impl Shard {
         }
     }
 
-    /// Rows are dealt forth and back, as they take longer or shorter from one end of the design to the other.
+    /// Rows are dealt out in alternating order, because their cost varies steadily along the design.
     fn has(self, row: usize) -> bool {
         let place = row % (2 * self.of);
         let index = if place < self.of {

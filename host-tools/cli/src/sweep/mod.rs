@@ -10,7 +10,7 @@ use crate::solver_options::SolverOptions;
 use crate::{interrupt, progress, record};
 use anyhow::{Context, Result, bail};
 use capsule_database::Database;
-use capsule_fom::{Configuration, Pause, Solver, Status};
+use capsule_fom::{Configuration, RunState, Solver, Status};
 use checkpoint::Checkpoints;
 use clap::Args;
 use design::DesignOptions;
@@ -22,7 +22,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Folder of the database; what is there is kept and not computed again
+    /// Folder of the database; configurations that it holds are kept and not computed again
     #[arg(long, value_name = "DIR", default_value = "models/database")]
     database: PathBuf,
     #[command(flatten)]
@@ -42,7 +42,7 @@ Examples:
   capsule-rom fom sweep --database models/database --mesh 13
   capsule-rom fom sweep --database coarse --mesh 4 --ca 0.05,0.10 --confinement 0.85,0.90
   capsule-rom fom sweep --database part-2 --mesh 13 --shard 2/8
-  capsule-rom fom sweep --database models/fresh --mesh 13 --points models/fresh.csv
+  capsule-rom fom sweep --database models/test-set --mesh 13 --points models/test-set.csv
 
 Every configuration is recorded with its trajectory and how it ended: steady, unsteady at the end time, or stopped \
 where the solver could not go on. A row of equal confinement ends --beyond grid points above its steady limit. An \
@@ -55,7 +55,7 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let (rule, rows) = (options.design.rule()?, options.design.rows()?);
     let solver = Solver::new(options.solver.settings())?;
-    // If the longest capsule fits in the duct, all do: say so before anything is computed or written.
+    // If the longest capsule fits in the duct, all do; fail before anything is computed or written.
     if let Some(longest) = rows.last() {
         solver.start(&longest.configuration(0))?;
     }
@@ -142,13 +142,13 @@ impl Worker<'_> {
         interrupt::asked() || self.queue.is_ended()
     }
 
-    /// Computes one configuration to its end and records it, or saves it where it was broken off.
+    /// Computes one configuration to its end and records it, or saves it where it was interrupted.
     fn compute(&self, configuration: &Configuration, bar: &ProgressBar) -> Result<()> {
         let run = match self.checkpoints.read(configuration) {
             Some(run) => run,
             None => self.solver.start(configuration)?,
         };
-        let pause = self.solver.go_on(run, &mut |now| {
+        let state = self.solver.resume(run, &mut |now| {
             progress::show_run(bar, now);
             if self.is_over() {
                 ControlFlow::Break(())
@@ -156,9 +156,9 @@ impl Worker<'_> {
                 ControlFlow::Continue(())
             }
         })?;
-        match pause {
-            Pause::BrokenOff(run) => self.checkpoints.save(&run),
-            Pause::Finished(outcome) => {
+        match state {
+            RunState::Interrupted(run) => self.checkpoints.save(&run),
+            RunState::Finished(outcome) => {
                 self.database.write(&record::trajectory(&outcome))?;
                 self.checkpoints.forget(configuration);
                 if let Some(warning) = record::film_warning(self.solver, &outcome) {

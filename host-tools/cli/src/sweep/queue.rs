@@ -1,4 +1,4 @@
-//! What the workers of a sweep share: the results so far, and what is being computed.
+//! State that the workers of a sweep share: the results so far, and the configurations in progress.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -47,7 +47,7 @@ impl Queue {
         }
     }
 
-    /// The next configuration; waits while what comes next depends on one that is running. None when all is done or
+    /// The next configuration; waits while the choice depends on one that is running. `None` when all are done or
     /// [`Queue::end`] was called.
     pub fn next(&self) -> Option<Configuration> {
         let mut state = self.lock();
@@ -91,13 +91,13 @@ impl Queue {
         self.changed.notify_all();
     }
 
-    /// Ends the sweep for all workers, because one cannot go on.
+    /// Ends the sweep for all workers, because one failed.
     pub fn end(&self) {
         self.lock().ended = true;
         self.changed.notify_all();
     }
 
-    /// Whether it was ended.
+    /// Whether [`Queue::end`] was called.
     pub fn is_ended(&self) -> bool {
         self.lock().ended
     }

@@ -4,8 +4,8 @@
 //! a steady state above one with; a single run that stops early between steady ones, or a film too thin at the lowest
 //! capillary numbers, does not end it. Then the limit is bisected between the last steady grid point and the one after.
 //!
-//! What is wanted next is a function of the results known, and nothing is wanted that might turn out not to belong: the
-//! set of configurations does not depend on the order in which they are computed.
+//! The next configurations are a function of the known results, and none is chosen that might turn out not to belong:
+//! the set of configurations does not depend on the order in which they are computed.
 
 use super::design::Row;
 

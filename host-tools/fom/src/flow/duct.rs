@@ -33,7 +33,7 @@ pub struct Duct {
     resolved_film: f64,
 }
 
-/// What a membrane does to the flow: enough to give the velocity anywhere.
+/// The action of a membrane on the flow: enough to evaluate the velocity anywhere.
 struct Disturbance<'a> {
     layer: MembraneLayer<'a>,
     /// Perturbation traction at the wall's nodes.
@@ -228,7 +228,7 @@ mod tests {
                 let mut out = vec![[0.0; 3]; points.len()];
                 let drop = duct.velocity_at(&capsule.membrane(), &points, &mut out).unwrap();
                 let flux: f64 = out.iter().zip(&weights).map(|(v, w)| v[0] * w).sum::<f64>() - 4.0;
-                // What is left comes from v_inf being interpolated from the nodes in the pressure drop.
+                // The rest is the error of interpolating v_inf from the nodes in the pressure drop.
                 println!("mesh {n}, section {section}: flux {flux:.2e}, pressure drop {drop}");
                 assert!(flux.abs() < [1e-3, 5e-5][n / 8] && flux.abs() < last);
                 if section == 3.0 {

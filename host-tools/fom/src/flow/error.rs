@@ -1,4 +1,4 @@
-//! What can go wrong in the flow.
+//! Errors of the flow solver.
 
 /// Why a velocity could not be found, or a flow not be set up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

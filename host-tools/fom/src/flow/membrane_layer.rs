@@ -172,7 +172,7 @@ impl<'a> MembraneLayer<'a> {
         units.add_far(blocks, out)
     }
 
-    /// What element `e` does to targets of which some are close to it.
+    /// The velocity that element `e` induces at targets, some of which are close to it.
     fn near(&self, e: usize, nodes: &[u32], mut near: NearTargets, scratch: &mut Sources) -> NearTargets {
         let element = &self.membrane.elements[e];
         let patch = Patch::new(element, self.membrane.nodes, self.membrane.load);

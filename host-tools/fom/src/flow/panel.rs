@@ -313,7 +313,7 @@ mod tests {
                     k += 1;
                 });
                 let halved = panel.integrals(&rule, target, 4.0);
-                // What halving leaves out around the target is of the size of the last part.
+                // The region around the target that halving leaves out contributes about as much as the last part.
                 assert!(largest_difference(&own, &halved) < 2e-4 * length, "{length} {node}");
             }
         }

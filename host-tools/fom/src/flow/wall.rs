@@ -38,7 +38,7 @@ pub struct Wall {
     blocks: TargetBlocks,
 }
 
-/// What the panels are to be.
+/// Size and order of the panels.
 #[derive(Debug, Clone)]
 pub struct WallLayout {
     /// Panel boundaries in x, from 0 to the half length.

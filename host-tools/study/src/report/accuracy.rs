@@ -9,8 +9,8 @@ use faer::Mat;
 
 use super::sheet::{Curves, Section, Series, Sheet};
 use crate::StudyError;
-use crate::fresh::HEADING;
 use crate::stability::Subject;
+use crate::test_set::HEADING;
 
 /// The query that the paper shows.
 const SHOWN: [f64; 2] = [0.10, 0.90];
@@ -24,10 +24,10 @@ pub(super) const ALL: Scene<'_> = Scene {
     frame: Frame::Laboratory,
 };
 
-/// Fresh configurations that are shown.
-pub(super) struct Fresh {
+/// Configurations of the test set that are shown.
+pub(super) struct Shown {
     /// The one closest to [`SHOWN`] at all its instants, and the model's answers there.
-    shown: Trajectory,
+    trajectory: Trajectory,
     predicted: [Vec<Vec<[f64; 3]>>; 2],
     profiles: Vec<Profile>,
 }
@@ -39,9 +39,9 @@ struct Profile {
     outlines: Vec<Vec<(f64, f64)>>,
 }
 
-impl Fresh {
+impl Shown {
     pub(super) fn new(subject: &Subject, model: &Model) -> Result<Self, StudyError> {
-        let database = subject.fresh;
+        let database = subject.tests;
         let entries = database.entries()?;
         let steady = entries
             .iter()
@@ -61,7 +61,7 @@ impl Fresh {
             .copied()
             .filter(|t| *t < 10.0 + 1e-9)
             .collect::<Vec<_>>();
-        let shown = database.read(&closest)?.extended(database.mesh(), &until)?;
+        let trajectory = database.read(&closest)?.extended(database.mesh(), &until)?;
         let field = |velocities: bool| -> Result<Vec<Vec<[f64; 3]>>, StudyError> {
             let mut workspace = Box::new(Workspace::<f64>::new());
             let mut evaluator = Evaluator::new(model, &mut workspace)?;
@@ -95,8 +95,8 @@ impl Fresh {
                 outlines: truth.positions.iter().map(points).collect(),
             })
         };
-        Ok(Fresh {
-            shown,
+        Ok(Shown {
+            trajectory,
             predicted,
             profiles: parameters.iter().step_by(six).map(outline).collect::<Result<_, _>>()?,
         })
@@ -104,8 +104,8 @@ impl Fresh {
 }
 
 /// Coefficients of the query's own modes in time, of the model and of the truth (Fig. 10), and their decay (Fig. 11).
-pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> Result<Section, StudyError> {
-    let (truth, reference) = (&fresh.shown, &subject.fresh.mesh().nodes);
+pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, shown: &Shown) -> Result<Section, StudyError> {
+    let (truth, reference) = (&shown.trajectory, &subject.tests.mesh().nodes);
     let [ca, confinement] = [truth.parameters[0], truth.parameters[1]];
     let mut section = Section::new(
         "One query in time (Figs. 10 and 11)",
@@ -124,9 +124,9 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
         (
             "displacement",
             truth.positions.iter().map(displaced).collect(),
-            fresh.predicted[0].iter().map(displaced).collect(),
+            shown.predicted[0].iter().map(displaced).collect(),
         ),
-        ("velocity", truth.velocities.clone(), fresh.predicted[1].clone()),
+        ("velocity", truth.velocities.clone(), shown.predicted[1].clone()),
     ];
     let mut decay: Vec<Series> = Vec::new();
     for (part, unit, (field, exact, found)) in ["a", "b"]
@@ -196,14 +196,14 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, fresh: &Fresh) -> 
 }
 
 /// Sections of the capsule in the channel (Fig. 14).
-pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Result<Section, StudyError> {
+pub(super) fn profiles(sheet: &mut Sheet, model: &Model, shown: &Shown) -> Result<Section, StudyError> {
     let mut section = Section::new(
         "Profiles (Fig. 14)",
         "Sections z = 0 at t = 0, 1, 2 and 8: full-order model (lines) and prediction by direct evaluation (dots). None of these configurations is in the model.",
     );
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
-    for (index, profile) in fresh.profiles.iter().enumerate() {
+    for (index, profile) in shown.profiles.iter().enumerate() {
         let [ca, confinement] = profile.parameters;
         evaluator.prepare(&Query {
             extrapolate: true,
@@ -254,44 +254,44 @@ pub(super) fn profiles(sheet: &mut Sheet, model: &Model, fresh: &Fresh) -> Resul
     Ok(section)
 }
 
-/// Errors at the fresh configurations, and what the model stated of them.
+/// Errors at the configurations of the test set, and the errors that the model states there.
 pub(super) fn calibration(
     sheet: &mut Sheet,
     subject: &Subject,
     model: &Model,
     progress: Progress,
 ) -> Result<Section, StudyError> {
-    let fresh = crate::fresh(model, subject.fresh, None, &crate::FRESH_TIMES, progress)?;
+    let errors = crate::test_set(model, subject.tests, None, &crate::TEST_TIMES, progress)?;
     let mut section = Section::new(
         "True and stated errors",
         &format!(
             "{} configurations that no sample shares. Modified Hausdorff distance to {} in per cent of a. The model \
              states an expected error and a bound that 95 % of the errors shall keep: these lie below the diagonal.",
-            fresh.samples,
+            errors.samples,
             model.errors_against()
         ),
     );
-    sheet.csv("fresh.csv", &HEADING, fresh.rows().into_iter())?;
+    sheet.csv("test_set.csv", &HEADING, errors.rows().into_iter())?;
     let mut rows = Vec::new();
-    for (method, instants) in &fresh.methods {
+    for (method, instants) in &errors.methods {
         let mut series: Vec<Series> = Vec::new();
-        let stated = &fresh.stated[method];
-        for ((i, errors), at) in instants.iter().enumerate().zip(&stated.instants) {
+        let stated = &errors.stated[method];
+        for ((i, instant), at) in instants.iter().enumerate().zip(&stated.instants) {
             let numbers = [
-                errors.lab_mean_percent,
-                errors.lab_max_percent,
-                errors.shape_mean_percent,
-                errors.shape_max_percent,
+                instant.lab_mean_percent,
+                instant.lab_max_percent,
+                instant.shape_mean_percent,
+                instant.shape_max_percent,
                 at.expected_mean_percent,
                 at.bound_mean_percent,
             ];
             let numbers: Vec<String> = numbers.iter().map(|value| format!("{value:.4}")).collect();
             let below = format!("{:.0}", at.below_bound_percent);
-            rows.push([vec![(*method).to_owned(), errors.t.to_string()], numbers, vec![below]].concat());
-            let points = fresh.compared[method]
+            rows.push([vec![(*method).to_owned(), instant.t.to_string()], numbers, vec![below]].concat());
+            let points = errors.compared[method]
                 .iter()
                 .map(|c| (100.0 * c.bound[i], 100.0 * c.laboratory[i]));
-            series.push((format!("t = {}", errors.t), Mark::Dots, points.collect()));
+            series.push((format!("t = {}", instant.t), Mark::Dots, points.collect()));
         }
         let places = series
             .iter()
@@ -327,6 +327,6 @@ pub(super) fn calibration(
         "mean bound %",
         "below the bound %",
     ];
-    section.table(sheet, "fresh_summary.csv", &heading, rows)?;
+    section.table(sheet, "test_set_summary.csv", &heading, rows)?;
     Ok(section)
 }

@@ -27,7 +27,7 @@ struct Way {
     max: f64,
 }
 
-/// What ways are compared by.
+/// The figures by which methods are compared.
 struct Comparison {
     truths: Vec<Truth>,
     /// How often each query is repeated.
@@ -47,7 +47,7 @@ pub(super) fn pareto(
 ) -> Result<[Section; 2], StudyError> {
     let quick = subject.quick;
     let mut comparison = Comparison {
-        truths: read(subject.fresh, if quick { 4 } else { 32 }, |_| true)?,
+        truths: read(subject.tests, if quick { 4 } else { 32 }, |_| true)?,
         repetitions: if quick { 2 } else { 5 },
         ways: Vec::new(),
     };
@@ -278,7 +278,7 @@ impl Comparison {
     }
 }
 
-/// What each kind of answer costs.
+/// The cost of each kind of answer.
 pub(super) fn scenes(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Result<Section, StudyError> {
     let limits = Limits::measure(subject.model.len());
     let questions = questions(model, if subject.quick { 5 } else { 501 })?;

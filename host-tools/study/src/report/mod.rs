@@ -38,11 +38,11 @@ pub fn report(subject: &Subject, folder: &Path, progress: Progress) -> Result<()
     let mut sections = vec![offline::design(&mut sheet, subject, &model)?];
     step(1, "leave one out");
     sections.extend(offline::reduction(&mut sheet, subject, temporary.path(), progress)?);
-    step(2, "fresh configurations");
-    let fresh = accuracy::Fresh::new(subject, &model)?;
-    sections.push(accuracy::evolution(&mut sheet, subject, &fresh)?);
+    step(2, "test set");
+    let shown = accuracy::Shown::new(subject, &model)?;
+    sections.push(accuracy::evolution(&mut sheet, subject, &shown)?);
     sections.push(shapes::section(&mut sheet, &model)?);
-    sections.push(accuracy::profiles(&mut sheet, &model, &fresh)?);
+    sections.push(accuracy::profiles(&mut sheet, &model, &shown)?);
     sections.push(accuracy::calibration(&mut sheet, subject, &model, progress)?);
     step(3, "run time against error");
     sections.extend(cost::pareto(&mut sheet, subject, &model, progress)?);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use capsule_core::model::{Curve, MatrixView};
 use capsule_core::{Method, Model};
 use capsule_offline::{BuildReport, Progress, Settings, Spectrum, build, one_minus_ric};
 use capsule_plot::{Axis, Cells, Mark, Panel};
@@ -14,16 +13,15 @@ use crate::{StudyError, name};
 
 /// The samples, the clusters, the steady limit and the border of the jump.
 pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Result<Section, StudyError> {
-    let contents = model.contents();
-    let clusters = &contents.clusters;
+    let clusters: Vec<_> = model.clusters().collect();
     let mut groups: [Series; 3] =
         ["first cluster", "second cluster", "both"].map(|name| (name.to_owned(), Mark::Dots, vec![]));
     let same = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-6;
     for (index, cluster) in clusters.iter().enumerate() {
-        for sample in MatrixView::new(&cluster.samples.parameters).pairs::<f64>() {
+        for sample in cluster.parameters().pairs::<f64>() {
             let others = clusters.iter().enumerate().filter(|(other, _)| *other != index);
             let shared = others
-                .flat_map(|(_, other)| MatrixView::new(&other.samples.parameters).pairs())
+                .flat_map(|(_, other)| other.parameters().pairs())
                 .any(|other| same(other, sample));
             match (shared, index) {
                 (true, 0) => groups[2].2.push((sample[0], sample[1])),
@@ -37,18 +35,18 @@ pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
         .clone()
         .filter_map(|a| Some((model.steady_limit(a)?, a)))
         .collect();
-    let curve = Curve::new(&contents.border);
+    let curve = model.jump_curve();
     let border = heights
         .filter(|a| curve.below([1.0, *a]).is_some())
         .filter_map(|a| Some((curve.at(a)?, a)))
         .collect();
-    let fresh = subject.fresh.entries()?;
-    let fresh = fresh
+    let entries = subject.tests.entries()?;
+    let tests = entries
         .iter()
         .map(|entry| (entry.parameters[0], entry.parameters[1]))
         .collect();
     let mut series: Vec<Series> = groups.into();
-    series.push(("fresh, not in the model".to_owned(), Mark::Dots, fresh));
+    series.push(("test set, not in the model".to_owned(), Mark::Dots, tests));
     series.push(("steady limit".to_owned(), Mark::Line, limit));
     series.push(("border of the jump".to_owned(), Mark::Line, border));
     series.retain(|(_, _, points)| !points.is_empty());

@@ -1,8 +1,7 @@
-//! The page as text.
-
-use std::fmt::Write;
+//! The page as HTML.
 
 use capsule_core::Model;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::sheet::{Drawing, Section, Table};
 
@@ -29,88 +28,106 @@ th{white-space:nowrap}
 
 /// One page with everything in it.
 pub(super) fn page(model: &Model, sections: &[Section]) -> String {
-    let title = escape(model.contents().metadata.title);
-    let mut body = String::new();
-    let _ = write!(
-        body,
-        "<header><h1>{title}: accuracy, speed and stability</h1><p>Model {:08x}, {} nodes. Lengths are in l, half the channel's side; velocities in the mean \
-         velocity V; times in l/V; a is the capsule's radius. The numbers behind each figure are in the CSV file that is named \
-         with it.</p><nav aria-label=\"Contents\"><ul>",
-        model.digest(),
-        model.contents().mesh.nodes
-    );
-    for (index, section) in sections.iter().enumerate() {
-        let _ = write!(body, "<li><a href=\"#s{index}\">{}</a></li>", escape(&section.title));
-    }
-    body.push_str("</ul></nav></header><main>");
-    for (index, section) in sections.iter().enumerate() {
-        let _ = write!(
-            body,
-            "<section id=\"s{index}\" aria-labelledby=\"h{index}\"><h2 id=\"h{index}\">{}</h2><p>{}</p>",
-            escape(&section.title),
-            escape(&section.text)
-        );
-        body.push_str("<div class=\"figures\">");
-        section.figures.iter().for_each(|drawing| figure(&mut body, drawing));
-        body.push_str("</div>");
-        section.tables.iter().for_each(|entries| table(&mut body, entries));
-        body.push_str("</section>");
-    }
-    format!(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><title>{title}</title><style>{STYLE}</style></head><body>{body}</main></body></html>\n"
-    )
-}
-
-fn figure(body: &mut String, drawing: &Drawing) {
-    let caption = escape(&drawing.caption);
-    let _ = write!(
-        body,
-        "<figure>{}<figcaption>{caption} (<a href=\"{1}\">{1}</a>)</figcaption></figure>",
-        coloured(&drawing.svg, &caption),
-        escape(&drawing.data)
-    );
-}
-
-fn table(body: &mut String, table: &Table) {
-    body.push_str("<div class=\"table\" tabindex=\"0\"><table><thead><tr>");
-    for (index, cell) in table.heading.iter().enumerate() {
-        let numbers = table
-            .rows
-            .iter()
-            .any(|row| row.get(index).is_some_and(|cell| number(cell)));
-        let _ = write!(body, "<th scope=\"col\"{}>{}</th>", class(numbers), escape(cell));
-    }
-    body.push_str("</tr></thead><tbody>");
-    for row in &table.rows {
-        body.push_str("<tr>");
-        for cell in row {
-            let _ = write!(body, "<td{}>{}</td>", class(number(cell)), escape(cell));
+    let title = model.title();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width,initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (title) ": accuracy, speed and stability" }
+                    p {
+                        "Model " (format!("{:08x}", model.digest())) ", " (model.mesh().nodes()) " nodes. "
+                        "Lengths are in l, half the channel's side; velocities in the mean velocity V; times in l/V; a is "
+                        "the capsule's radius. The numbers behind each figure are in the CSV file that is named with it."
+                    }
+                    nav aria-label="Contents" {
+                        ul {
+                            @for (index, section) in sections.iter().enumerate() {
+                                li { a href=(format!("#s{index}")) { (section.title) } }
+                            }
+                        }
+                    }
+                }
+                main {
+                    @for (index, section) in sections.iter().enumerate() {
+                        (part(index, section))
+                    }
+                }
+            }
         }
-        body.push_str("</tr>");
+    };
+    page.into_string() + "\n"
+}
+
+fn part(index: usize, section: &Section) -> Markup {
+    let heading = format!("h{index}");
+    html! {
+        section id=(format!("s{index}")) aria-labelledby=(heading) {
+            h2 id=(heading) { (section.title) }
+            p { (section.text) }
+            div class="figures" { @for drawing in &section.figures { (figure(drawing)) } }
+            @for entries in &section.tables { (table(entries)) }
+        }
     }
-    let _ = write!(
-        body,
-        "</tbody></table><p><a href=\"{0}\">{0}</a></p></div>",
-        escape(&table.data)
-    );
+}
+
+fn figure(drawing: &Drawing) -> Markup {
+    html! {
+        figure {
+            (PreEscaped(coloured(&drawing.svg, &drawing.caption)))
+            figcaption { (drawing.caption) " (" a href=(drawing.data) { (drawing.data) } ")" }
+        }
+    }
+}
+
+fn table(table: &Table) -> Markup {
+    let numbers = |index: usize| {
+        let mut cells = table.rows.iter().filter_map(|row| row.get(index));
+        cells.any(|cell| number(cell))
+    };
+    html! {
+        div class="table" tabindex="0" {
+            table {
+                thead {
+                    tr {
+                        @for (index, cell) in table.heading.iter().enumerate() {
+                            th scope="col" class=[class(numbers(index))] { (cell) }
+                        }
+                    }
+                }
+                tbody {
+                    @for row in &table.rows {
+                        tr { @for cell in row { td class=[class(number(cell))] { (cell) } } }
+                    }
+                }
+            }
+            p { a href=(table.data) { (table.data) } }
+        }
+    }
 }
 
 fn number(cell: &str) -> bool {
     cell.parse::<f64>().is_ok()
 }
 
-fn class(numbers: bool) -> &'static str {
-    if numbers { " class=\"number\"" } else { "" }
+fn class(numbers: bool) -> Option<&'static str> {
+    numbers.then_some("number")
 }
 
-/// A drawing with a text for those who do not see it, in the page's colours.
+/// A drawing in the page's colours, with an alternative text.
 fn coloured(svg: &str, alternative: &str) -> String {
+    let alternative = html! { (alternative) }.into_string();
     let svg = svg
         .replace("#FFFFFF", "var(--card)")
         .replace("#000000", "var(--ink)")
         .replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{alternative}\" "), 1);
-    // Presentation attributes do not know variables; styles do.
+    // CSS variables work in style attributes, not in presentation attributes.
     ["fill", "stroke"].iter().fold(svg, |svg, name| {
         ["card", "ink"].iter().fold(svg, |svg, variable| {
             svg.replace(
@@ -119,11 +136,4 @@ fn coloured(svg: &str, alternative: &str) -> String {
             )
         })
     })
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

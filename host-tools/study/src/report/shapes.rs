@@ -31,7 +31,7 @@ pub(super) fn section(sheet: &mut Sheet, model: &Model) -> Result<Section, Study
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;
     evaluator.prepare(&Query::new([ca, confinement], Method::Direct))?;
-    let mut nodes = vec![[0.0; 3]; model.contents().mesh.nodes as usize];
+    let mut nodes = vec![[0.0; 3]; model.mesh().nodes()];
     let mut rows = Vec::new();
     let mut first = String::new();
     for t in INSTANTS {

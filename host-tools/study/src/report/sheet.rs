@@ -1,4 +1,4 @@
-//! What the page is made of: sections of figures and tables, and the files with their numbers.
+//! Sections of figures and tables of the report, and the files with their numbers.
 
 use std::path::{Path, PathBuf};
 

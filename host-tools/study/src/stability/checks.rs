@@ -1,6 +1,5 @@
 //! Queries on, near and outside every edge of the domain, and instants beyond the end.
 
-use capsule_core::model::Curve;
 use capsule_core::{Domain, EvaluateError, Evaluator, Method, Model, Query, Workspace};
 
 use super::Check;
@@ -33,7 +32,7 @@ pub(super) fn checks(model: &Model) -> Result<Vec<Check>, StudyError> {
     let [ca, confinement] = super::ranges(model);
     let along = |[low, high]: [f64; 2]| (0..9).map(move |i| low + (high - low) * (f64::from(i) + 0.5) / 9.0);
     let limit = |confinement: f64| model.steady_limit(confinement).map_or(ca[1], |limit| limit.min(ca[1]));
-    let border = Curve::new(&model.contents().border);
+    let border = model.jump_curve();
     let greatest = [ca[1], confinement[1]];
     // Points of each edge, the parameter that leads across, and the sign with which it leads out.
     let edges: [(&str, Vec<[f64; 2]>, usize, f64); 6] = [

@@ -53,7 +53,7 @@ impl Small {
         }
         let most = if subject.quick { 3 } else { 8 };
         let off_grid = |parameters| inside(parameters) && !on_grid(parameters);
-        let truths = read(subject.fresh, most, off_grid).or_else(|_| read(database, most, off_grid))?;
+        let truths = read(subject.tests, most, off_grid).or_else(|_| read(database, most, off_grid))?;
         Ok(Small {
             mesh: database.mesh().clone(),
             symmetry: database.symmetry().clone(),
@@ -231,7 +231,7 @@ fn long(small: &Small, folder: &Path) -> Result<Vec<Row>, StudyError> {
     Ok(rows)
 }
 
-/// What the offline stage makes of samples.
+/// Checks of the offline stage on sample data.
 type Built = Result<(Vec<u8>, BuildReport), StudyError>;
 
 /// Data that no model can be built from, and data that one can.

@@ -71,7 +71,7 @@ fn count<T: Real>(check: &mut Check, samples: &[[f64; 2]], query: [f64; 2]) {
     let coordinates = Coordinates {
         scales: kernel.scales,
         limit: Some(Curve::new(&nothing)),
-        border: Curve::new(&nothing),
+        jump_curve: Curve::new(&nothing),
     };
     let paper = Paper {
         neighbours: 12,

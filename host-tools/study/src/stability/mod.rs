@@ -26,7 +26,7 @@ pub use panels::panels;
 pub use places::Place;
 pub use truth::{Errors, INSTANTS, Truth};
 
-/// What the study is about.
+/// The model and the data that are studied.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     /// The model file.
@@ -34,7 +34,7 @@ pub struct Subject<'a> {
     /// The database that the model is built from.
     pub database: &'a Database,
     /// Configurations that the model does not contain.
-    pub fresh: &'a Database,
+    pub tests: &'a Database,
     /// A minute instead of several.
     pub quick: bool,
 }
@@ -53,11 +53,11 @@ pub struct Stability {
 /// Errors at one value of one setting, over configurations that the model does not contain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// What is varied.
+    /// The setting that is varied.
     pub setting: String,
     /// Its value.
     pub value: f64,
-    /// What answers: a method, with its scheme, order or precision where that matters.
+    /// The method, with its scheme, order or precision where that matters.
     pub by: String,
     /// Configurations.
     pub configurations: usize,
@@ -86,7 +86,7 @@ impl Row {
 /// Questions of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// What was asked.
+    /// The kind of query.
     pub question: String,
     /// How often.
     pub cases: usize,
@@ -130,7 +130,7 @@ impl Check {
 /// Least and greatest Ca, least and greatest a/l of a model.
 fn ranges(model: &Model) -> [[f64; 2]; 2] {
     let range = |index: usize| {
-        let parameters = &model.contents().metadata.parameters;
+        let parameters = model.parameters();
         parameters.get(index).map_or([0.0; 2], |range| [range.min, range.max])
     };
     [range(0), range(1)]
@@ -145,7 +145,7 @@ pub fn stability(subject: &Subject, folder: &Path, progress: Progress) -> Result
     let step = |done: usize, name: &str| progress(name, done, PARTS);
     let model = Model::open(subject.model)?;
     step(0, "settings of the methods");
-    let truths = truth::read(subject.fresh, if subject.quick { 6 } else { 24 }, |_| true)?;
+    let truths = truth::read(subject.tests, if subject.quick { 6 } else { 24 }, |_| true)?;
     let mut rows = settings::rows(&model, &truths, subject.quick)?;
     step(1, "orders of the diffuse approximation");
     rows.extend(orders::rows(subject, &model)?);

@@ -11,7 +11,7 @@ use super::truth::{Errors, INSTANTS, Truth, distance, read, read_one};
 use super::{Row, Subject};
 use crate::StudyError;
 
-/// What is varied.
+/// The setting that is varied.
 #[derive(Clone, Copy)]
 pub(super) struct Diffuse {
     pub(super) order: usize,
@@ -110,12 +110,12 @@ fn samples(database: &Database, quick: bool) -> Result<Vec<Truth>, StudyError> {
         .collect()
 }
 
-/// Errors of interpolated snapshots at fresh configurations.
+/// Errors of interpolated snapshots at configurations of the test set.
 pub(super) fn rows(subject: &Subject, model: &Model) -> Result<Vec<Row>, StudyError> {
     let samples = samples(subject.database, subject.quick)?;
     let places: Vec<[f64; 2]> = samples.iter().map(|sample| sample.parameters).collect();
     let rows = if subject.quick { 0.85..0.95 } else { 0.75..1.2 };
-    let truths = read(subject.fresh, if subject.quick { 4 } else { 40 }, |[_, confinement]| {
+    let truths = read(subject.tests, if subject.quick { 4 } else { 40 }, |[_, confinement]| {
         rows.contains(&confinement)
     })?;
     let coordinates = Coordinates::new(model.contents());
@@ -136,7 +136,7 @@ pub(super) fn rows(subject: &Subject, model: &Model) -> Result<Vec<Row>, StudyEr
         for truth in &truths {
             let query = truth.parameters;
             let beyond = |sample: [f64; 2]| {
-                coordinates.apart(sample, query) || (sample[1] - split) * (query[1] - split) < -1e-12
+                coordinates.separated(sample, query) || (sample[1] - split) * (query[1] - split) < -1e-12
             };
             let solved = diffuse.solve(&places, query, beyond);
             errors.count(solved.map(|solved| {

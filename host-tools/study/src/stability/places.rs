@@ -68,7 +68,7 @@ fn place(model: &Model, query: [f64; 2]) -> Option<Place> {
         direct_lebesgue: direct.lebesgue(),
         paper_lebesgue: diffuse.lebesgue(),
         condition: own
-            .solve(&all, query, |sample| coordinates.apart(sample, query))
+            .solve(&all, query, |sample| coordinates.separated(sample, query))
             .map_or(f64::INFINITY, |solved| solved.condition),
         single_precision: difference(&direct, &rounded).max(difference(&diffuse, &rounded_diffuse)),
     })

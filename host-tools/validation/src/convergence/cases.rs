@@ -1,4 +1,4 @@
-//! What is varied, and over which values.
+//! The numerical settings that are varied, and their values.
 
 use capsule_fom::flow::{DuctSettings, MembraneQuadrature};
 use capsule_fom::{Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
@@ -6,7 +6,7 @@ use capsule_fom::{Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
 /// Settings that differ from those of production in one thing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// What is varied.
+    /// The setting that is varied.
     pub cause: &'static str,
     /// Its value.
     pub value: String,

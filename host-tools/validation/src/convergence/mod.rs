@@ -25,7 +25,7 @@ pub struct Row {
     pub ca: f64,
     /// Confinement a/l.
     pub confinement: f64,
-    /// What is varied.
+    /// The setting that is varied.
     pub cause: &'static str,
     /// Its value.
     pub value: String,

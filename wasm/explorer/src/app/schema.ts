@@ -3,6 +3,8 @@
  * browser's history and the saved session follow from this table.
  */
 
+import { QUANTITIES } from "./quantities";
+
 export const METHODS = ["direct", "paper"] as const;
 export type Method = (typeof METHODS)[number];
 
@@ -12,16 +14,7 @@ export type Frame = (typeof FRAMES)[number];
 export const VIEWS = ["solid", "midplane", "diagonal", "transversal", "plots"] as const;
 export type View = (typeof VIEWS)[number];
 
-export const QUANTITIES = [
-  "axial_length",
-  "half_width",
-  "half_diagonal",
-  "rear_depth",
-  "velocity",
-  "volume",
-  "expected_error",
-  "error_bound",
-] as const;
+export { QUANTITIES };
 export type Quantity = (typeof QUANTITIES)[number];
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 5] as const;

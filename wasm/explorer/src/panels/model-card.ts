@@ -14,10 +14,12 @@ export function describe(list: HTMLElement, { model, bytes }: Capsule): void {
     ["Membrane", model.membraneLaw, "Constitutive law of the membrane"],
     ["Size", `${(bytes / 1e6).toFixed(2)} MB`, `${model.nodeCount} nodes on the membrane`],
   ];
+  const licences = html("a", { href: "./THIRD-PARTY.txt", textContent: "third-party" });
   list.replaceChildren(
     ...entries.map(([name, value, hint]) =>
       html("div", { title: hint }, html("dt", { textContent: name }), html("dd", { textContent: value })),
     ),
+    html("div", {}, html("dt", { textContent: "Licences" }), html("dd", {}, licences)),
   );
   list.dataset.digest = model.digest;
 }

@@ -1,0 +1,143 @@
+"""Model files."""
+
+from __future__ import annotations
+
+import os
+from typing import Literal, NamedTuple, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .prediction import Prediction
+
+
+class Parameter(NamedTuple):
+    """A parameter of a model with its sampled range."""
+
+    name: str
+    min: float
+    max: float
+
+
+class Model:
+    """An opened model file. Use `load`."""
+
+    def __init__(self, core: _core.Model) -> None:
+        self._core = core
+
+    def __repr__(self) -> str:
+        ranges = ", ".join(f"{name} {low:g} to {high:g}" for name, low, high in self.parameters)
+        return f"<capsule_rom.Model {self.title!r}: {ranges}, digest {self.digest}>"
+
+    @property
+    def title(self) -> str:
+        """Title for people."""
+        return self._core.title
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """Names and sampled ranges, in the order of `predict`."""
+        return [Parameter(*parameter) for parameter in self._core.parameters]
+
+    @property
+    def units(self) -> tuple[str, str, str]:
+        """Names of the units of length, velocity and time."""
+        return self._core.units
+
+    @property
+    def end_time(self) -> float:
+        """The last instant that can be asked for; the first is 0."""
+        return self._core.end_time
+
+    @property
+    def method(self) -> str:
+        """The method of a query that names none: "direct" or "paper"."""
+        return self._core.method
+
+    @property
+    def membrane_law(self) -> str:
+        """Constitutive law of the full-order model."""
+        return self._core.membrane_law
+
+    @property
+    def bending_stiffness(self) -> Optional[float]:
+        """Bending stiffness B of the full-order model, in G_s a^2; None where it is not known."""
+        return self._core.bending_stiffness
+
+    @property
+    def errors_against(self) -> str:
+        """The solution that errors are measured against, in words."""
+        return self._core.errors_against
+
+    @property
+    def digest(self) -> str:
+        """CRC-32 of the model in hexadecimal: identifies it."""
+        return self._core.digest
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes of the surface mesh."""
+        return self._core.node_count
+
+    @property
+    def elements(self) -> NDArray[np.uint16]:
+        """Elements as rows of node numbers: three corners, then for quadratic elements the middles of the edges
+        opposite to no corner of theirs, in the order 12, 23, 31."""
+        return self._core.elements()
+
+    @property
+    def samples(self) -> NDArray[np.float64]:
+        """Sampled parameters `(samples, parameters)`."""
+        return self._core.samples()
+
+    def node_set(self, name: str) -> NDArray[np.uint16]:
+        """Node numbers of a named outline ("midplane", "diagonal"), front to rear.
+
+        Raises KeyError if the model has no such set.
+        """
+        nodes = self._core.node_set(name)
+        if nodes is None:
+            raise KeyError(name)
+        return nodes
+
+    def steady_limit(self, confinement: ArrayLike) -> Optional[NDArray[np.float64]]:
+        """The largest Ca with a steady state at each confinement; None where the model has no steady limit."""
+        values = np.asarray(confinement, dtype=np.float64)
+        limits = self._core.steady_limit(values.ravel().tolist())
+        return None if limits is None else limits.reshape(values.shape)
+
+    def predict(
+        self,
+        *parameters: ArrayLike,
+        method: Optional[Literal["direct", "paper"]] = None,
+        extrapolate: bool = False,
+        invalid: Literal["raise", "nan"] = "raise",
+    ) -> Prediction:
+        """Queries the model: `model.predict(ca, confinement)` for a capsule in the channel.
+
+        The parameters are numbers or arrays of a common shape `B` after broadcasting; every answer has the shape
+        `B + T + (...)`, with `T` the shape of its instants. Nothing is computed before an answer is asked for.
+
+        With `extrapolate` queries outside the sampled domain are answered too, without a bound. With `invalid="nan"` a
+        refused query gives NaN instead of a `QueryError`, for maps that reach beyond the domain.
+        """
+        if invalid not in ("raise", "nan"):
+            raise ValueError(f'invalid is {invalid!r}: "raise" or "nan"')
+        arrays = np.broadcast_arrays(*(np.asarray(values, dtype=np.float64) for values in parameters))
+        shape = arrays[0].shape if arrays else ()
+        size = int(np.prod(shape))
+        rows = np.ascontiguousarray(np.stack([values.ravel() for values in arrays], axis=1) if arrays else np.empty((1, 0)))
+        batch = _core.Batch(self._core, rows.reshape(size, len(arrays)), method, extrapolate, invalid == "nan")
+        return Prediction(self._core, batch, shape)
+
+
+def load(path: Union[str, os.PathLike[str], None] = None) -> Model:
+    """Opens a model file (.crom); without a path the model that comes with the package.
+
+    Raises OSError if the file cannot be read and `ModelFileError` if it is no valid model.
+    """
+    if path is None:
+        return Model(_core.Model.shipped())
+    with open(path, "rb") as file:
+        return Model(_core.Model.open(file.read()))

@@ -1,0 +1,30 @@
+//! The compiled part of the Python package `capsule_rom`: models, and batches of queries written into NumPy arrays.
+//!
+//! The Python files beside this crate broadcast parameters, allocate arrays and document the interface; this module
+//! fills arrays, without the global interpreter lock and on all cores. Numbers are single precision: the bits of the
+//! command line, the browser and a microcontroller.
+
+mod answers;
+mod batch;
+mod model;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+pyo3::create_exception!(
+    capsule_rom,
+    ModelFileError,
+    PyValueError,
+    "A model file was not opened."
+);
+pyo3::create_exception!(capsule_rom, QueryError, PyValueError, "A query was not answered.");
+
+/// The compiled part of capsule_rom.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("ModelFileError", module.py().get_type::<ModelFileError>())?;
+    module.add("QueryError", module.py().get_type::<QueryError>())?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<answers::Batch>()
+}
