@@ -273,6 +273,35 @@ describe("the figures", () => {
   });
 });
 
+describe("a small screen", () => {
+  for (const [width, height] of [[1366, 650], [1024, 768], [720, 450]]) {
+    onPage(
+      `of ${width} x ${height} holds the page, and nothing covers what has the focus`,
+      `#ca=0.1&al=0.9&t=1&layer=error_bound${FLAT}`,
+      async (page) => {
+        const [content, room] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+        assert.ok(content <= room, `${content} px of content in ${room} px`);
+        const [inputs, choices, readouts] = await Promise.all(["#inputs", ".choices", "#readouts"].map((part) => boxOf(page, part)));
+        for (const [one, other] of [[inputs, choices], [inputs, readouts], [choices, readouts]]) {
+          assert.ok(one.y + one.height <= other.y + 1 || one.x + one.width <= other.x + 1, "parts lie apart");
+        }
+        for (let i = 0; i < 40; i++) {
+          await page.keyboard.press("Tab");
+          const covered = await page.evaluate(() => {
+            const { activeElement } = document;
+            if (activeElement === null || activeElement === document.body || activeElement.closest(".transport")) return "";
+            const { left, top, width, height } = activeElement.getBoundingClientRect();
+            const found = document.elementFromPoint(left + width / 2, top + height / 2);
+            return found?.closest(".transport, .notice") ? activeElement.outerHTML : "";
+          });
+          assert.equal(covered, "");
+        }
+      },
+      { viewport: { width, height } },
+    );
+  }
+});
+
 describe("a phone", () => {
   onPage(
     "shows a refusal wherever one has scrolled to",
