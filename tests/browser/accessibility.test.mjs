@@ -40,7 +40,7 @@ for (const [situation, [address, options]] of Object.entries(SITUATIONS)) {
 
 for (const dialog of ["take-away", "units", "help"]) {
   test(`accessibility: the dialog ${dialog}`, async () => {
-    const { page, close } = await openPage(browser, `${server.url}#views=midplane`, { colorScheme: "dark" });
+    const { page, close } = await open("#views=midplane", { colorScheme: "dark" });
     await page.click(`#open-${dialog}`);
     await page.evaluate(AXE);
     const { violations } = await page.evaluate(() => window.axe.run(document));

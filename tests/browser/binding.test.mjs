@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
-import { openModel, predict } from "./support.mjs";
+import { openModel, predict, QUANTITIES } from "./support.mjs";
 
 const QUESTIONS = {
   readings: (evaluation) => evaluation.readings(),
@@ -61,4 +61,35 @@ test("a bound is there inside the domain only", () => {
   evaluation.prepare([0.13, 0.95], "direct", true);
   assert.ok(evaluation.expectedError() > 0);
   assert.equal(evaluation.errorBound(), undefined);
+});
+
+test("many answers in one call are those of one after another", () => {
+  const evaluation = model.evaluation();
+  evaluation.prepare([0.1, 0.9], "direct", false);
+  const times = [0.5, 3, 20];
+  const { instants } = predict(0.1, 0.9, times, "direct");
+  for (const quantity of ["axial_length", "volume", "expected_error", "error_bound"]) {
+    const course = [...evaluation.course(quantity, Float32Array.from(times))];
+    assert.deepEqual(course, instants.map((instant) => Math.fround(instant[quantity])), quantity);
+  }
+  evaluation.goTo(3);
+  assert.deepEqual([...evaluation.readouts()].slice(0, 8), QUANTITIES.map((quantity) => Math.fround(instants[1][quantity])));
+  const grid = evaluation.grid("velocity", Float64Array.of(0.1, 0.9, 0.9, 0.9, 0.05, 0.8), 2, 3, "direct");
+  const other = predict(0.05, 0.8, [3], "direct").instants[0];
+  assert.deepEqual([...grid], [Math.fround(instants[1].velocity), Number.NaN, Math.fround(other.velocity)]);
+  assert.throws(() => evaluation.course("colour", Float32Array.of(1)), /read-out "colour" is unknown/);
+});
+
+test("the distance of two shapes is none to itself and the same both ways", () => {
+  const [one, other] = [model.evaluation(), model.evaluation()];
+  for (const [evaluation, ca] of [[one, 0.1], [other, 0.1]]) {
+    evaluation.prepare([ca, 0.9], "direct", false);
+    evaluation.goTo(3);
+  }
+  assert.equal(one.distance(other), 0);
+  other.prepare([0.08, 0.9], "direct", false);
+  assert.equal(one.distance(other), other.distance(one));
+  // The drift alone moves every node by as much as the centroid: no node is nearer than the shapes allow.
+  const drift = Math.abs(one.centroid() - other.centroid());
+  assert.ok(one.distance(other) > 0 && one.distance(other) < drift + 0.1);
 });

@@ -7,41 +7,21 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
 import { crc32 } from "node:zlib";
-import { figures, MODEL, openPage, otherModel, predict, serve, settled, startBrowser } from "./support.mjs";
+import { explorer, FLAT, figures, MODEL, otherModel, predict, settled } from "./support.mjs";
 
-/** Without the space view, which an emulated graphics card draws slowly. */
-const FLAT = "&views=midplane.diagonal.transversal";
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 
-let browser;
-let server;
 let folder;
 let other;
 
-before(async () => {
-  server = await serve();
-  browser = await startBrowser();
+const { open, onPage, url } = explorer();
+
+before(() => {
   folder = mkdtempSync(join(tmpdir(), "capsule-"));
   other = otherModel(folder);
 });
 
-after(async () => {
-  await browser?.close();
-  server?.stop();
-  rmSync(folder, { recursive: true, force: true });
-});
-
-function onPage(name, fragment, drive, options) {
-  test(name, async () => {
-    const { page, errors, close } = await openPage(browser, `${server.url}${fragment}`, options);
-    try {
-      await drive(page);
-      assert.deepEqual(errors, [], "the console is silent");
-    } finally {
-      await close();
-    }
-  });
-}
+after(() => rmSync(folder, { recursive: true, force: true }));
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const set = async (page, patch) => {
@@ -63,7 +43,7 @@ describe("a link", () => {
   test("with another model names its file, and holds once that is open", async () => {
     const { buffer, digest } = retitled();
     const link = `#v=1&m=${digest}&file=own.crom&ca=0.05&al=0.8&t=7&frame=centroid${FLAT}`;
-    const { page, errors, close } = await openPage(browser, server.url + link);
+    const { page, errors, close } = await open(link);
     assert.match(await page.innerText("#banner"), new RegExp(`own\\.crom.*${digest}`));
     await page.setInputFiles("#model-file", { name: "own.crom", mimeType: "application/octet-stream", buffer });
     await page.waitForFunction((wanted) => document.querySelector("#model").dataset.digest === wanted, digest);
@@ -138,8 +118,8 @@ describe("a file", () => {
   });
 
   test("that is opened while the first model still loads stays", async () => {
-    const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
-    const page = await context.newPage();
+    const { page: first, close } = await open("#views=midplane");
+    const page = await first.context().newPage();
     let release;
     const held = new Promise((go) => {
       release = go;
@@ -148,14 +128,14 @@ describe("a file", () => {
       await held;
       await route.continue();
     });
-    await page.goto(`${server.url}#t=1${FLAT}`);
+    await page.goto(`${url()}#t=1${FLAT}`);
     const { buffer, digest } = retitled();
     await page.setInputFiles("#model-file", { name: "own.crom", mimeType: "application/octet-stream", buffer });
     await page.waitForFunction(() => document.body.dataset.status === "ready");
     release();
     await page.waitForTimeout(600);
     assert.equal(await page.getAttribute("#model", "data-digest"), digest);
-    await context.close();
+    await close();
   });
 });
 
@@ -293,6 +273,35 @@ describe("the figures", () => {
   });
 });
 
+describe("a small screen", () => {
+  for (const [width, height] of [[1366, 650], [1024, 768], [720, 450]]) {
+    onPage(
+      `of ${width} x ${height} holds the page, and nothing covers what has the focus`,
+      `#ca=0.1&al=0.9&t=1&layer=error_bound${FLAT}`,
+      async (page) => {
+        const [content, room] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+        assert.ok(content <= room, `${content} px of content in ${room} px`);
+        const [inputs, choices, readouts] = await Promise.all(["#inputs", ".choices", "#readouts"].map((part) => boxOf(page, part)));
+        for (const [one, other] of [[inputs, choices], [inputs, readouts], [choices, readouts]]) {
+          assert.ok(one.y + one.height <= other.y + 1 || one.x + one.width <= other.x + 1, "parts lie apart");
+        }
+        for (let i = 0; i < 40; i++) {
+          await page.keyboard.press("Tab");
+          const covered = await page.evaluate(() => {
+            const { activeElement } = document;
+            if (activeElement === null || activeElement === document.body || activeElement.closest(".transport")) return "";
+            const { left, top, width, height } = activeElement.getBoundingClientRect();
+            const found = document.elementFromPoint(left + width / 2, top + height / 2);
+            return found?.closest(".transport, .notice") ? activeElement.outerHTML : "";
+          });
+          assert.equal(covered, "");
+        }
+      },
+      { viewport: { width, height } },
+    );
+  }
+});
+
 describe("a phone", () => {
   onPage(
     "shows a refusal wherever one has scrolled to",
@@ -322,7 +331,11 @@ describe("a phone", () => {
       await client.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
       await settled(page);
       assert.equal((await state(page)).section, 0);
-      await page.touchscreen.tap(box.x + 0.55 * box.width, (await boxOf(page, "#midplane")).y + 40);
+      // The page rolls on for a while after the finger has left it.
+      await page.waitForTimeout(600);
+      await page.locator("#midplane").evaluate((stage) => stage.scrollIntoView({ block: "center" }));
+      const now = await boxOf(page, "#midplane");
+      await page.touchscreen.tap(now.x + 0.55 * now.width, now.y + now.height / 3);
       await settled(page);
       assert.notEqual((await state(page)).section, 0);
     },

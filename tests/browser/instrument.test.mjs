@@ -3,35 +3,10 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { after, before, describe, test } from "node:test";
-import { figures, openPage, predict, QUANTITIES, serve, settled, startBrowser } from "./support.mjs";
+import { describe, test } from "node:test";
+import { explorer, FLAT, figures, predict, QUANTITIES, settled } from "./support.mjs";
 
-const FLAT = "&views=midplane.diagonal.transversal";
-
-let browser;
-let server;
-
-before(async () => {
-  server = await serve();
-  browser = await startBrowser();
-});
-
-after(async () => {
-  await browser?.close();
-  server?.stop();
-});
-
-function onPage(name, fragment, drive, options) {
-  test(name, async () => {
-    const { page, errors, close } = await openPage(browser, `${server.url}${fragment}`, options);
-    try {
-      await drive(page);
-      assert.deepEqual(errors, [], "the console is silent");
-    } finally {
-      await close();
-    }
-  });
-}
+const { open, onPage, url } = explorer();
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const native = (ca, confinement, t, method = "direct") => predict(ca, confinement, [t], method).instants[0];
@@ -62,7 +37,7 @@ describe("a comparison", () => {
     assert.equal(await page.locator("#midplane .pin-A").count(), 1);
     assert.equal(await page.locator("#map .pin-A").count(), 1);
     await page.waitForFunction(() => window.location.hash.includes("pins=A"));
-    const again = await openPage(browser, page.url());
+    const again = await open(page.url().slice(url().length));
     assert.deepEqual((await state(again.page)).pins, (await state(page)).pins);
     await again.close();
     await page.getByRole("button", { name: "Remove A" }).click();
@@ -272,10 +247,51 @@ describe("the sheet of keys", () => {
   });
 
   test("is not needed to learn what a browser without a program is missing", async () => {
-    const context = await browser.newContext({ javaScriptEnabled: false });
+    const { page: first, close } = await open("#views=midplane");
+    const context = await first.context().browser().newContext({ javaScriptEnabled: false });
     const page = await context.newPage();
-    await page.goto(server.url);
+    await page.goto(url());
     assert.match(await page.innerText("noscript p"), /JavaScript and WebAssembly/);
     await context.close();
+    await close();
+  });
+});
+
+describe("random use", () => {
+  onPage("of every control leaves no error and an answer that is the core's", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const last = await page.evaluate(async () => {
+      let seed = 20260101;
+      // Linear congruential, modulus 2^31: the same walk in every run.
+      const random = (n) => {
+        seed = (1103515245 * seed + 12345) % 2147483648;
+        return Math.floor((seed / 2147483648) * n);
+      };
+      const pick = (values) => values[random(values.length)];
+      const views = ["midplane", "diagonal", "transversal", "plots"];
+      const moves = [
+        () => ({ ca: 0.005 + random(200) / 1000, extrapolate: random(3) === 0 }),
+        () => ({ confinement: 0.75 + random(45) / 100 }),
+        () => ({ t: random(201) / 10, playing: random(4) === 0 }),
+        () => ({ method: pick(["direct", "paper"]), frame: pick(["laboratory", "centroid"]) }),
+        () => ({ views: new Set(views.filter(() => random(2) === 0)) }),
+        () => ({ layer: pick(["none", "error_bound", "velocity"]), scale: pick(["linear", "root", "log"]) }),
+        () => ({ along: pick(["time", "ca", "confinement"]), trace: pick(["volume", "error_bound", "velocity"]) }),
+        () => ({ dimensions: pick([[], [100, 1, 10], [60, 2, 30]]), section: random(41) / 10 - 2 }),
+        () => {
+          const pins = ["A", "B", "C"].slice(0, random(4));
+          const query = () => ({ parameters: [0.01 + random(9) / 100, 0.8], method: "direct", extrapolate: false });
+          return { pins: pins.map((name) => ({ name, ...query() })) };
+        },
+      ];
+      for (let i = 0; i < 300; i++) {
+        window.capsuleExplorer.set(pick(moves)());
+        if (random(3) === 0) window.capsuleExplorer.read();
+        if (random(4) === 0) await new Promise(requestAnimationFrame);
+      }
+      window.capsuleExplorer.set({ ca: 0.06, confinement: 0.85, t: 5, method: "direct", playing: false, extrapolate: false });
+      return window.capsuleExplorer.read();
+    });
+    const expected = native(0.06, 0.85, 5);
+    for (const quantity of QUANTITIES) assert.equal(Math.fround(last[quantity]), Math.fround(expected[quantity]), quantity);
   });
 });

@@ -9,6 +9,7 @@ import "./style/model.css";
 import "./style/sheets.css";
 import { Explorer, type Options } from "./app/explorer";
 import type { State } from "./app/schema";
+import { loadFont } from "./style/font";
 
 /** What scripts that drive or embed an explorer can do. */
 interface Api {
@@ -36,6 +37,7 @@ function api({ store, workbench }: Explorer): Api {
   };
 }
 
+loadFont();
 const model = new URLSearchParams(window.location.search).get("model");
 const explorer = new Explorer(document.body, { ownsAddress: true, ...(model === null ? {} : { model }) });
 

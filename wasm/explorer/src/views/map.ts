@@ -187,11 +187,13 @@ export class ParameterMap implements ViewPart {
     const { caRange, confinementRange } = this.#domain;
     const at = ([ca, confinement]: readonly [number, number]) =>
       [this.#toX(clamp(ca, ...caRange)), this.#toY(clamp(confinement, ...confinementRange))] as const;
+    const off = ([x, y]: readonly [number, number]) => Math.hypot(x - this.#width / 2, y - this.#height / 2);
     const labels: Element[] = [];
     const regions = this.contours.map(({ label: name, rings }) => {
       const drawn = rings.map((ring) => ring.map(at));
       const longest = drawn.reduce((a, b) => (b.length > a.length ? b : a), drawn[0] ?? []);
-      const [x, y] = longest[longest.length >> 1] ?? [0, 0];
+      // Where the ring comes nearest to the middle there is room for words.
+      const [x, y] = longest.reduce((a, b) => (off(b) < off(a) ? b : a), longest[0] ?? [0, 0]);
       if (longest.length > 8)
         labels.push(written(svg("text", { class: "level", x, y: y + 4, "text-anchor": "middle" }), name));
       const d = drawn
