@@ -48,4 +48,5 @@ pub use scene::{Frame, Nodes, Scene};
 pub use surface::observables::Observables;
 pub use surface::playback::{Playback, playback_len};
 pub use surface::section::{Segment, section};
+pub use surface::silhouette::silhouette;
 pub use workspace::{Parts, Workspace, scratch_len};
