@@ -104,8 +104,6 @@ impl Curve {
 
     /// The nearest point of the curve to one with y >= 0.
     pub fn nearest(&self, [x, y]: [f64; 2]) -> Foot {
-        const STEPS: usize = 5;
-        const CLOSE: f64 = 1e-9;
         let (mut nearest, mut least) = (0, f64::INFINITY);
         for (i, [u, v]) in self.points().iter().enumerate() {
             let square = (x - u) * (x - u) + (y - v) * (y - v);
@@ -113,8 +111,16 @@ impl Curve {
                 (nearest, least) = (i, square);
             }
         }
-        let (low, high) = (nearest.saturating_sub(1) as f64, (nearest + 1).min(self.count - 1) as f64);
-        let mut place = nearest as f64;
+        self.nearest_from(nearest, [x, y])
+    }
+
+    /// The nearest point to one that is near a point of the curve by number.
+    pub(crate) fn nearest_from(&self, start: usize, [x, y]: [f64; 2]) -> Foot {
+        const STEPS: usize = 5;
+        const CLOSE: f64 = 1e-9;
+        let last = self.count.saturating_sub(1);
+        let (low, high) = (start.saturating_sub(1) as f64, (start + 1).min(last) as f64);
+        let mut place = start.min(last) as f64;
         let mut values = self.at(place);
         for _ in 0..STEPS {
             let [point, first, second] = values;

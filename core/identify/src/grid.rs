@@ -35,7 +35,6 @@ struct Entry {
 /// A start and how far its features are from the measured ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
-    pub(crate) side: Side,
     pub(crate) theta: [f64; 2],
     pub(crate) distance: f64,
 }
@@ -110,7 +109,7 @@ impl Grid {
                     .map(|difference| difference * difference)
                     .sum();
                 if best.is_none_or(|best| distance < best.distance) {
-                    best = Some(Start { side, theta, distance });
+                    best = Some(Start { theta, distance });
                 }
             }
             found[slot] = best;

@@ -85,6 +85,29 @@ pub struct Alternative {
     pub rise: f64,
 }
 
+/// Where the model's outline lies in the contour's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub(crate) direction: Direction,
+    pub(crate) half_width_um: f64,
+    /// The middle of the contour, in l.
+    pub(crate) middle: [f64; 2],
+    pub(crate) shift: [f64; 2],
+    pub(crate) tilt: f64,
+    pub(crate) scale_error: f64,
+}
+
+impl Frame {
+    /// A point of the frame of the capsule's centroid, in l, in the contour's coordinates, in um.
+    pub fn place_um(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let grown = 1.0 + self.scale_error;
+        let [x, y] = [(x + self.shift[0]) / grown, (y + self.shift[1]) / grown];
+        let (cos, sin) = (libm::cos(self.tilt), libm::sin(self.tilt));
+        let [u, v] = [cos * x - sin * y + self.middle[0], cos * y + sin * x + self.middle[1]];
+        self.direction.back([u, v]).map(|x| x * self.half_width_um)
+    }
+}
+
 /// What was found.
 #[derive(Clone, Copy, Debug)]
 pub struct Identification {
@@ -98,6 +121,8 @@ pub struct Identification {
     pub shear_modulus_n_per_m: Estimate,
     /// Mean velocity of the liquid, in m/s: as given, or as the model tells it from the capsule's.
     pub mean_velocity_m_s: f64,
+    /// Standard deviations of ln Ca and a/l, from the curvature of the sum of squares at its least.
+    pub deviations: [f64; 2],
     /// Correlation of the errors of ln Ca and a/l.
     pub correlation: f64,
     /// Sum of the squares of the points' residuals over their noise.
@@ -118,6 +143,8 @@ pub struct Identification {
     pub tilt: f64,
     /// The direction of the flow.
     pub direction: Direction,
+    /// Where the model's outline lies in the contour's coordinates.
+    pub frame: Frame,
     /// The part of the outline's deviation that is smooth, in deviations of the model's error: a chi-squared of 8.
     pub structure: f64,
     /// The side of the border of buckling.

@@ -54,6 +54,16 @@ impl Direction {
         }
     }
 
+    /// The way back from [`turn`](Self::turn).
+    pub(crate) fn back(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Right | Self::Found => [x, y],
+            Self::Left => [-x, y],
+            Self::Up => [y, x],
+            Self::Down => [y, -x],
+        }
+    }
+
     /// Its name in JSON.
     pub fn name(self) -> &'static str {
         match self {

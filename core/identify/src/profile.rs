@@ -1,8 +1,8 @@
 //! Intervals from the profile of the sum of squares: how far a quantity can be from its best value before the best sum
 //! that goes with it has risen by the square of a standard normal quantile.
 
-use crate::domain::Side;
 use crate::fit::{Fit, Fitter};
+use crate::local::Local;
 use crate::residuals::Data;
 use capsule_core::EvaluateError;
 
@@ -37,6 +37,17 @@ impl Interval {
     }
 }
 
+/// What intervals are taken from.
+pub(crate) struct Profile<'p> {
+    /// The data of the fit, or bins of them.
+    pub(crate) data: Data<'p>,
+    pub(crate) fit: &'p Fit,
+    /// Their least sum.
+    pub(crate) sum: f64,
+    /// The sum beside the fit, if it is known.
+    pub(crate) local: Option<Local>,
+}
+
 /// Sum of squares and place with the best value of the other parameter.
 struct Best {
     rise: f64,
@@ -44,16 +55,14 @@ struct Best {
 }
 
 impl Fitter<'_, '_, '_> {
-    /// Intervals of a quantity of [ln Ca, a/l] for several quantiles, relative to its value at the fit. `sum` is the
-    /// least sum of the data, which are those of the fit or bins of them.
+    /// Intervals of a quantity of [ln Ca, a/l] for several quantiles, relative to its value at the fit.
     pub(crate) fn intervals<const Q: usize>(
         &mut self,
-        data: &Data<'_>,
-        fit: &Fit,
-        sum: f64,
+        profile: &Profile<'_>,
         gradient: [f64; 2],
         quantiles: [f64; Q],
     ) -> Result<Option<[Interval; Q]>, EvaluateError> {
+        let fit = profile.fit;
         let Some(covariance) = fit.reduced.covariance() else {
             return Ok(None);
         };
@@ -76,7 +85,7 @@ impl Fitter<'_, '_, '_> {
         }; Q];
         for (end, sign) in [-1.0, 1.0].into_iter().enumerate() {
             for (interval, quantile) in intervals.iter_mut().zip(quantiles) {
-                let (value, open) = self.end(data, fit, sum, [along, across], g, sign, quantile)?;
+                let (value, open) = self.end(profile, [along, across], g, sign, quantile)?;
                 interval.open[end] = open;
                 *(if end == 0 { &mut interval.low } else { &mut interval.high }) = value;
             }
@@ -87,15 +96,14 @@ impl Fitter<'_, '_, '_> {
     /// One end: the quantity's change, and whether it is open.
     fn end(
         &mut self,
-        data: &Data<'_>,
-        fit: &Fit,
-        sum: f64,
+        profile: &Profile<'_>,
         [along, across]: [[f64; 2]; 2],
         gradient: [f64; 2],
         sign: f64,
         quantile: f64,
     ) -> Result<(f64, bool), EvaluateError> {
         const TRIALS: usize = 8;
+        let fit = profile.fit;
         const CLOSE: f64 = 0.02;
         let change = |theta: [f64; 2]| {
             gradient[0] * (theta[0] - fit.theta[0]) + gradient[1] * (theta[1] - fit.theta[1])
@@ -106,7 +114,7 @@ impl Fitter<'_, '_, '_> {
         let mut distance = quantile;
         for _ in 0..TRIALS {
             let place = [0, 1].map(|d| fit.theta[d] + sign * distance * along[d]);
-            let Some(best) = self.best(data, fit, sum, place, across)? else {
+            let Some(best) = self.best(profile, place, across)? else {
                 // Beyond the domain: halfway back, and the edge if that is close.
                 outer = Some([distance, f64::INFINITY]);
                 if distance - inner[0] < CLOSE * quantile {
@@ -144,20 +152,22 @@ impl Fitter<'_, '_, '_> {
     /// The best place across from one: the least of a parabola through three.
     fn best(
         &mut self,
-        data: &Data<'_>,
-        fit: &Fit,
-        sum: f64,
+        profile: &Profile<'_>,
         place: [f64; 2],
         across: [f64; 2],
     ) -> Result<Option<Best>, EvaluateError> {
         const WAY: f64 = 0.7;
         let at = |s: f64| [place[0] + s * across[0], place[1] + s * across[1]];
         let rise = |fitter: &mut Self, theta: [f64; 2]| -> Result<Option<f64>, EvaluateError> {
+            let Profile { data, fit, sum, local } = profile;
             if !fitter.inside(fit.side, theta) {
                 return Ok(None);
             }
-            let shape = fitter.shapes.at(theta)?;
-            Ok(Self::profiled(data, &shape, &fit.unknowns).map(|(found, _)| found - sum))
+            let found = match local.as_ref().and_then(|local| local.sum(theta)) {
+                Some(found) => Some(found),
+                None => Self::profiled(data, &fitter.shapes.at(theta)?, &fit.unknowns).map(|(found, _)| found),
+            };
+            Ok(found.map(|found| found - sum))
         };
         let mut shift = 0.0;
         let mut least: Option<Best> = None;
@@ -197,11 +207,5 @@ impl Fitter<'_, '_, '_> {
             }
         }
         Ok(least)
-    }
-
-    fn inside(&self, side: Side, [ca, confinement]: [f64; 2]) -> bool {
-        let [low, high] = self.domain.confinements();
-        let range = self.domain.range(side, confinement);
-        (low..=high).contains(&confinement) && range.is_some_and(|[low, high]| (low..=high).contains(&ca))
     }
 }

@@ -5,9 +5,9 @@
 //! that are unknowns like the others: so errors of the model widen the intervals as much as they can move the answer, and
 //! are not averaged away as if they were noise.
 
-use crate::curve::{Curve, dot};
+use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};
-use crate::shapes::{HALF_WIDTH, LENGTH, REAR_DEPTH, SCALARS, Sensitivity, Shape};
+use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, Sensitivity, Shape};
 
 /// Cosines of the model's error.
 pub(crate) const MODES: usize = 8;
@@ -161,6 +161,54 @@ impl<'p> Data<'p> {
         [cos * x - sin * y, cos * y + sin * x]
     }
 
+    /// Each residual at a place, with its weight, its derivatives by the unknowns beside the two, and where its
+    /// derivatives by the two are to be looked up.
+    pub(crate) fn rows(
+        &self,
+        shape: &Shape,
+        unknowns: &[f64; NUISANCES],
+        mut each: impl FnMut(f64, f64, &[f64; NUISANCES], Place),
+    ) {
+        let curve = &shape.curve;
+        let precision = 1.0 / (self.noise * self.noise);
+        for point in self.points {
+            let residual = self.residual(curve, point.place, unknowns);
+            let mut row = [0.0; NUISANCES];
+            row[..MODE].copy_from_slice(&residual.row);
+            let mut value = residual.value;
+            let modes = cosines(curve, residual.along);
+            for ((entry, mode), coefficient) in row[MODE..].iter_mut().zip(modes).zip(&unknowns[MODE..]) {
+                value -= mode * coefficient;
+                *entry = -mode;
+            }
+            each(precision * point.weight, value, &row, Place::Along(residual.along));
+        }
+        for (s, measured) in self.scalars.iter().enumerate() {
+            let Some(Measured { value, deviation }) = *measured else {
+                continue;
+            };
+            // What the edge adds to a length, and what the scale changes it by.
+            let (edge, scale) = match s {
+                LENGTH => (2.0, value),
+                HALF_WIDTH => (1.0, value),
+                REAR_DEPTH => (0.0, value),
+                _ => (0.0, 0.0),
+            };
+            let mut row = [0.0; NUISANCES];
+            (row[EDGE], row[SCALE]) = (-edge, scale);
+            let residual = value + scale * unknowns[SCALE] - edge * unknowns[EDGE] - shape.scalars[s];
+            // A length errs as the outline does; the radius is what is asked for.
+            let own = if s == RADIUS { 0.0 } else { 0.5 * self.model * shape.bound };
+            each(1.0 / (deviation * deviation + own * own), residual, &row, Place::Scalar(s));
+        }
+        for (nuisance, value) in unknowns.iter().enumerate() {
+            let deviation = self.deviation(nuisance, shape.bound);
+            let mut row = [0.0; NUISANCES];
+            row[nuisance] = 1.0;
+            each(1.0 / (deviation * deviation), *value, &row, Place::Nowhere);
+        }
+    }
+
     /// The normal equations at a place; without the capsule's part if there is no sensitivity.
     pub(crate) fn normal(
         &self,
@@ -169,60 +217,47 @@ impl<'p> Data<'p> {
         unknowns: &[f64; NUISANCES],
     ) -> Normal {
         let mut normal = Normal::ZERO;
-        let curve = &shape.curve;
-        let precision = 1.0 / (self.noise * self.noise);
-        for point in self.points {
-            let residual = self.residual(curve, point.place, unknowns);
+        self.rows(shape, unknowns, |weight, residual, others, place| {
             let mut row = [0.0; UNKNOWNS];
             if let Some(sensitivity) = sensitivity {
-                let [by_ca, by_confinement] = curve.value(&sensitivity.outward, residual.along);
-                (row[0], row[1]) = (-by_ca, -by_confinement);
+                let own = place.value(&shape.curve, &sensitivity.outward, &sensitivity.scalars);
+                row[..2].copy_from_slice(&own.map(|derivative| -derivative));
             }
-            row[2..2 + MODE].copy_from_slice(&residual.row);
-            let mut value = residual.value;
-            let modes = cosines(curve, residual.along);
-            for ((entry, mode), coefficient) in row[2 + MODE..].iter_mut().zip(modes).zip(&unknowns[MODE..]) {
-                value -= mode * coefficient;
-                *entry = -mode;
-            }
-            normal.add(precision * point.weight, value, &row);
-        }
-        for (s, measured) in self.scalars.iter().enumerate() {
-            let Some(Measured { value, deviation }) = *measured else {
-                continue;
-            };
-            // What the edge adds to a length, and whether the scale changes it.
-            let (edge, scale) = match s {
-                LENGTH => (2.0, value),
-                HALF_WIDTH => (1.0, value),
-                REAR_DEPTH => (0.0, value),
-                _ => (0.0, 0.0),
-            };
-            let mut row = [0.0; UNKNOWNS];
-            if let Some(sensitivity) = sensitivity {
-                (row[0], row[1]) = (-sensitivity.scalars[s][0], -sensitivity.scalars[s][1]);
-            }
-            (row[2 + EDGE], row[2 + SCALE]) = (-edge, scale);
-            let residual = value * (1.0 + if scale == 0.0 { 0.0 } else { unknowns[SCALE] })
-                - edge * unknowns[EDGE]
-                - shape.scalars[s];
-            // A length errs as much as the outline does; the radius is what it is asked to be.
-            let own = if s == crate::shapes::RADIUS { 0.0 } else { 0.5 * self.model * shape.bound };
-            normal.add(1.0 / (deviation * deviation + own * own), residual, &row);
-        }
-        for (nuisance, value) in unknowns.iter().enumerate() {
-            let precision = 1.0 / self.deviation(nuisance, shape.bound);
-            let precision = precision * precision;
-            normal.sum += precision * value * value;
-            normal.gradient[2 + nuisance] += precision * value;
-            normal.matrix[2 + nuisance][2 + nuisance] += precision;
-        }
+            row[2..].copy_from_slice(others);
+            normal.add(weight, residual, &row);
+        });
         for i in 0..UNKNOWNS {
             for j in 0..i {
                 normal.matrix[j][i] = normal.matrix[i][j];
             }
         }
         normal
+    }
+}
+
+/// Where a residual has its derivatives by Ca and a/l.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place {
+    /// At a place of the curve.
+    Along(f64),
+    /// Those of a scalar.
+    Scalar(usize),
+    /// It has none.
+    Nowhere,
+}
+
+impl Place {
+    pub(crate) fn value<const W: usize>(
+        self,
+        curve: &Curve,
+        outward: &[[f64; W]; MAX_HALF],
+        scalars: &[[f64; W]; SCALARS],
+    ) -> [f64; W] {
+        match self {
+            Self::Along(place) => curve.value(outward, place),
+            Self::Scalar(scalar) => scalars[scalar],
+            Self::Nowhere => [0.0; W],
+        }
     }
 }
 

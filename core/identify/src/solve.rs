@@ -6,9 +6,9 @@ use crate::curve::Curve;
 use crate::domain::{Domain, Side};
 use crate::fit::{Fit, Fitter};
 use crate::grid::{FEATURES, Grid};
-use crate::identification::{Alternative, Estimate, Identification, Verdict};
+use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
 use crate::measurement::{Direction, Flow, Measurement};
-use crate::profile::Interval;
+use crate::profile::{Interval, Profile};
 use crate::residuals::{Data, EDGE, MODES, NUISANCES, Point, SCALE, SHIFT, TILT};
 use crate::shapes::{SCALARS, Shapes, VELOCITY};
 use capsule_core::EvaluateError;
@@ -19,10 +19,14 @@ const FEW: usize = 48;
 const BINS: usize = 40;
 /// Starts on each side of the border.
 const STARTS: usize = 2;
+/// A start whose features are farther from the measured ones than the nearest, by this, is not tried.
+const FARTHER: f64 = 30.0;
 /// A start whose sum is greater than the best by this is dropped before all points take part.
 const HOPELESS: f64 = 40.0;
 /// A solution whose sum is greater by no more than this is as good (95 %, one degree of freedom).
 const AS_GOOD: f64 = 3.84;
+/// A change of the noise that needs no new fit.
+const SETTLED: f64 = 0.1;
 /// Residuals beyond so many deviations count less (Huber, 1964).
 const ROBUST: f64 = 2.5;
 /// Variance of normal residuals over the one that is computed with Huber's weights, and of the estimate with it.
@@ -244,10 +248,12 @@ impl Solver<'_, '_, '_, '_> {
             }
         }
         let noise = self.first_noise();
+        let nearest = [Side::Smooth, Side::Dented].into_iter().flat_map(|side| grid.nearest::<1>(side, &features));
+        let nearest = nearest.flatten().map(|start| start.distance).fold(f64::INFINITY, f64::min);
         let mut candidates = [None::<Candidate>; 2];
         for (candidate, side) in candidates.iter_mut().zip([Side::Smooth, Side::Dented]) {
             let starts: [_; STARTS] = grid.nearest(side, &features);
-            for start in starts.into_iter().flatten() {
+            for start in starts.into_iter().flatten().filter(|start| start.distance <= nearest + FARTHER) {
                 let mut unknowns = [0.0; NUISANCES];
                 if count > 0 {
                     let shape = self.fitter.shapes.at(start.theta)?;
@@ -298,13 +304,17 @@ impl Solver<'_, '_, '_, '_> {
         // Noise and weights from the residuals, twice: the first time outliers have moved the fit.
         let mut noise = Noise::default();
         if !points.is_empty() {
+            noise = self.weigh(&fit, points);
             for _ in 0..2 {
-                noise = self.weigh(&fit, points);
+                let before = noise.counted;
                 let data = self.data(points, noise.counted);
                 let again = self.fitter.fit(&data, fit.side, fit.theta, fit.unknowns)?;
                 fit = again.ok_or(IdentifyError::NoFit)?;
+                noise = self.weigh(&fit, points);
+                if (noise.counted - before).abs() < SETTLED * before {
+                    break;
+                }
             }
-            noise = self.weigh(&fit, points);
         }
         // The other side of the border, with the same noise and weights.
         let data = self.data(points, noise.counted.max(LEAST_NOISE));
@@ -392,17 +402,25 @@ impl Solver<'_, '_, '_, '_> {
         let count = gather(&self.data(&[], 1.0), &fit, points, &mut bins);
         let bins = bins.get(..count).unwrap_or_default();
         let data = self.data(bins, noise.counted.max(LEAST_NOISE));
-        let sum = Fitter::profiled(&data, &fit.shape, &fit.unknowns).map_or(fit.sum, |(sum, _)| sum);
         // Student's quantiles for a noise that is an estimate itself.
         let freedom = noise.freedom.max(3.0);
         let known = points.is_empty() || self.measurement.contour.is_some_and(|contour| contour.noise_um.is_some());
         let quantiles = QUANTILES.map(|z| if known { z } else { z * (1.0 + (z * z + 1.0) / (4.0 * freedom)) });
+        let mut profile = Profile {
+            data,
+            fit: &fit,
+            sum: Fitter::profiled(&data, &fit.shape, &fit.unknowns).map_or(fit.sum, |(sum, _)| sum),
+            local: None,
+        };
+        if let Some(steps) = fit.reduced.covariance().and_then(|covariance| local_steps(&covariance, quantiles)) {
+            profile.local = self.fitter.local(&data, &fit, steps)?;
+        }
         let ratio = fit.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
         let gradients = [[1.0, 0.0], [0.0, 1.0], [1.0 + ratio[0], ratio[1]]];
         let told = matches!(setup.flow, Flow::CapsuleVelocity(_));
         let mut intervals = [None; 3];
         for (interval, gradient) in intervals.iter_mut().zip(gradients).take(if told { 3 } else { 2 }) {
-            *interval = self.fitter.intervals(&data, &fit, sum, gradient, quantiles)?;
+            *interval = self.fitter.intervals(&profile, gradient, quantiles)?;
         }
         let [ca, confinement, modulus] = intervals;
         let modulus = if told { modulus } else { ca };
@@ -433,6 +451,9 @@ impl Solver<'_, '_, '_, '_> {
             }),
             shear_modulus_n_per_m: estimate(shear, modulus, &|change| shear * libm::exp(-change)),
             mean_velocity_m_s: mean_velocity,
+            deviations: fit.reduced.covariance().map_or([f64::INFINITY; 2], |covariance| {
+                [0, 1].map(|d| libm::sqrt(covariance[d][d]))
+            }),
             correlation: fit.reduced.covariance().map_or(f64::NAN, |covariance| {
                 covariance[0][1] / libm::sqrt(covariance[0][0] * covariance[1][1])
             }),
@@ -445,6 +466,14 @@ impl Solver<'_, '_, '_, '_> {
             scale_error: fit.unknowns[SCALE],
             tilt: fit.unknowns[TILT],
             direction,
+            frame: Frame {
+                direction,
+                half_width_um: half_width,
+                middle: self.measurement.contour.map_or([0.0; 2], |contour| contour.framed(direction, half_width).middle),
+                shift: [fit.unknowns[SHIFT], fit.unknowns[SHIFT + 1]],
+                tilt: fit.unknowns[TILT],
+                scale_error: fit.unknowns[SCALE],
+            },
             structure: structure.sum(),
             side: fit.side,
             alternative,
@@ -494,6 +523,18 @@ struct Noise {
     freedom: f64,
     chi_squared: f64,
     residual: f64,
+}
+
+/// Steps of the polynomial beside a fit, so that it reaches as far as the intervals; none where these are too wide for
+/// one.
+fn local_steps(covariance: &[[f64; 2]; 2], quantiles: [f64; 2]) -> Option<[f64; 2]> {
+    /// Steps below which outlines differ by little more than their rounding, and above which their third derivatives
+    /// count.
+    const RANGE: [[f64; 2]; 2] = [[0.01, 0.1], [0.002, 0.015]];
+    let [_, widest] = quantiles;
+    let wanted = [0, 1].map(|d| 1.1 * widest * libm::sqrt(covariance[d][d]));
+    let steps = [0, 1].map(|d| wanted[d].max(RANGE[d][0]));
+    (0..2).all(|d| steps[d] <= RANGE[d][1]).then_some(steps)
 }
 
 /// How many unknowns the points determine, each as far as they do.
