@@ -35,6 +35,11 @@ impl<const N: usize> Factor<N> {
         x
     }
 
+    /// The logarithm of the matrix's determinant.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        (0..N).map(|i| 2.0 * libm::log(self.0[i][i])).sum()
+    }
+
     /// Column `i` of the inverse.
     pub(crate) fn inverse_column(&self, i: usize) -> [f64; N] {
         let mut unit = [0.0; N];
@@ -56,6 +61,7 @@ mod tests {
             let product: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
             assert!((product - right).abs() < 1e-14);
         }
+        assert!((factor.log_determinant() - libm::log(4.0 * (6.0 - 0.04) - (2.0 + 0.1) + 0.5 * (-0.2 - 1.5))).abs() < 1e-14);
         let column = factor.inverse_column(1);
         let product: f64 = matrix[1].iter().zip(column).map(|(a, x)| a * x).sum();
         assert!((product - 1.0).abs() < 1e-14);

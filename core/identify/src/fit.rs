@@ -22,6 +22,11 @@ pub(crate) struct Fit {
     pub(crate) unknowns: [f64; NUISANCES],
     /// The sum of squares.
     pub(crate) sum: f64,
+    /// The sum, and what the unknowns beside the two cost: twice the negative logarithm of the likelihood that is left
+    /// when they are integrated over. By it fits with different bounds of the model are compared.
+    pub(crate) evidence: f64,
+    /// The model's bound that it counted with, in l.
+    pub(crate) bound: f64,
     pub(crate) reduced: Reduced,
     pub(crate) shape: Shape,
     pub(crate) sensitivity: Sensitivity,
@@ -195,6 +200,10 @@ impl Fitter<'_, '_, '_> {
         let mut theta = self.domain.clamp(side, start, start);
         let mut unknowns = unknowns;
         let mut shape = self.shapes.at(theta)?;
+        let data = &Data {
+            bound: shape.bound,
+            ..*data
+        };
         let mut damping = 1e-4;
         for step in 0..STEPS {
             let sensitivity = self.sensitivity(side, theta, &shape)?;
@@ -224,10 +233,16 @@ impl Fitter<'_, '_, '_> {
             match next {
                 Some((to, there, others)) => (theta, shape, unknowns) = (to, there, others),
                 None => {
-                    let deviation = |i: usize| data.deviation(i, shape.bound);
+                    let deviation = |i: usize| data.deviation(i);
+                    let others = core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
+                    let freedom = Factor::new(&others).map_or(0.0, |factor| factor.log_determinant());
                     return Ok(Some(Fit {
                         side,
-                        others: core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j])),
+                        evidence: reduced.sum
+                            + freedom
+                            + (0..NUISANCES).map(|i| 2.0 * libm::log(deviation(i))).sum::<f64>(),
+                        bound: data.bound,
+                        others,
                         priors: core::array::from_fn(|i| 1.0 / (deviation(i) * deviation(i))),
                         theta,
                         unknowns: reduced.moved(&unknowns, [0.0; 2]),

@@ -145,7 +145,8 @@ pub struct Identification {
     pub direction: Direction,
     /// Where the model's outline lies in the contour's coordinates.
     pub frame: Frame,
-    /// The part of the outline's deviation that is smooth, in deviations of the model's error: a chi-squared of 8.
+    /// How much of the model's error the outline asks for: the sum of squares of its 24 cosines' coefficients, each in
+    /// its standard deviation.
     pub structure: f64,
     /// The side of the border of buckling.
     pub side: Side,

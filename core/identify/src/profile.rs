@@ -31,9 +31,10 @@ impl Interval {
         }
     }
 
-    /// Whether a value lies within.
+    /// Whether a value lies within; an open end excludes nothing.
     pub fn contains(&self, value: f64) -> bool {
-        self.low <= value && value <= self.high
+        let [low, high] = self.open;
+        (low || self.low <= value) && (high || value <= self.high)
     }
 }
 

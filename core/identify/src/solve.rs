@@ -25,6 +25,8 @@ const FARTHER: f64 = 30.0;
 const HOPELESS: f64 = 40.0;
 /// A solution whose sum is greater by no more than this is as good (95 %, one degree of freedom).
 const AS_GOOD: f64 = 3.84;
+/// The most rounds of fits and weights.
+const ROUNDS: usize = 4;
 /// A change of the noise that needs no new fit.
 const SETTLED: f64 = 0.1;
 /// Residuals beyond so many deviations count less (Huber, 1964).
@@ -35,8 +37,9 @@ const ROBUST_VARIANCE: f64 = 1.013;
 const QUANTILES: [f64; 2] = [1.0, 1.959_964];
 /// The least noise, in l: what the model's numbers are rounded to.
 const LEAST_NOISE: f64 = 1e-5;
-/// 99.9 % of a chi-squared of 8.
-const STRUCTURE: f64 = 26.1;
+/// More of the model's error than it ever has: with a normal distribution 24 on average and 51 once in a thousand, but
+/// large errors are more frequent than that.
+const STRUCTURE: f64 = 150.0;
 /// Deviations of scale or edge that are too many.
 const FAR: f64 = 3.0;
 
@@ -289,61 +292,66 @@ impl Solver<'_, '_, '_, '_> {
             contour.fill(direction, half_width, framed.middle, points);
         }
         let least = candidates.iter().flatten().map(|c| c.sum).fold(f64::INFINITY, f64::min);
-        let mut first = None;
-        for candidate in candidates.iter().flatten().filter(|c| c.sum <= least + HOPELESS) {
-            points.iter_mut().for_each(|point| point.weight = 1.0);
-            let data = self.data(points, self.first_noise());
-            let fit = self.fitter.fit(&data, candidate.side, candidate.theta, candidate.unknowns)?;
-            if let Some(fit) = fit
-                && first.as_ref().is_none_or(|best: &Fit| fit.sum < best.sum)
-            {
-                first = Some(fit);
-            }
-        }
-        let mut fit = first.ok_or(IdentifyError::NoFit)?;
-        // Noise and weights from the residuals, twice: the first time outliers have moved the fit.
+        let candidates = candidates.map(|candidate| candidate.filter(|c| c.sum <= least + HOPELESS));
+        let mut bins = [Point::default(); 2 * BINS];
+        // Noise and weights of the points from the residuals of the best fit so far, until they stay. A fit works with
+        // the points in bins.
         let mut noise = Noise::default();
-        if !points.is_empty() {
-            noise = self.weigh(&fit, points);
-            for _ in 0..2 {
-                let before = noise.counted;
-                let data = self.data(points, noise.counted);
-                let again = self.fitter.fit(&data, fit.side, fit.theta, fit.unknowns)?;
-                fit = again.ok_or(IdentifyError::NoFit)?;
-                noise = self.weigh(&fit, points);
-                if (noise.counted - before).abs() < SETTLED * before {
-                    break;
+        let mut fits: [Option<Fit>; 2] = [None, None];
+        for round in 0..ROUNDS {
+            let best = best(&fits);
+            let before = noise.counted;
+            let from = best.map(|fit| (fit.theta, fit.unknowns));
+            let started = candidates.iter().flatten().min_by(|a, b| a.sum.total_cmp(&b.sum));
+            let Some((theta, unknowns)) = from.or(started.map(|c| (c.theta, c.unknowns))) else {
+                return Err(IdentifyError::NoFit);
+            };
+            let shape = self.fitter.shapes.at(theta)?;
+            noise = self.weigh(&shape.curve, &unknowns, best, points);
+            if round > 1 && (noise.counted - before).abs() < SETTLED * before {
+                break;
+            }
+            let count = gather(&self.data(&[], 1.0), &shape.curve, &unknowns, points, &mut bins);
+            let data = self.data(bins.get(..count).unwrap_or_default(), noise.counted.max(LEAST_NOISE));
+            for (fit, candidate) in fits.iter_mut().zip(&candidates) {
+                if let Some(candidate) = candidate {
+                    let (theta, unknowns) =
+                        fit.as_ref().map_or((candidate.theta, candidate.unknowns), |fit| (fit.theta, fit.unknowns));
+                    *fit = self.fitter.fit(&data, candidate.side, theta, unknowns)?;
                 }
             }
         }
-        // The other side of the border, with the same noise and weights.
-        let data = self.data(points, noise.counted.max(LEAST_NOISE));
-        let mut alternative = None;
-        let other = candidates.iter().flatten().find(|c| c.side != fit.side && c.sum <= least + HOPELESS);
-        if let Some(candidate) = other
-            && let Some(other) = self.fitter.fit(&data, candidate.side, candidate.theta, candidate.unknowns)?
-        {
-            alternative = Some(if other.sum < fit.sum {
-                core::mem::replace(&mut fit, other)
-            } else {
-                other
-            });
-        }
+        let [a, b] = fits;
+        let (fit, alternative) = match (a, b) {
+            (Some(a), Some(b)) if b.evidence < a.evidence => (b, Some(a)),
+            (Some(a), b) => (a, b),
+            (None, Some(b)) => (b, None),
+            (None, None) => return Err(IdentifyError::NoFit),
+        };
         let alternative = alternative.map(|other| Alternative {
             capillary_number: libm::exp(other.theta[0]),
             confinement: other.theta[1],
-            rise: other.sum - fit.sum,
+            rise: other.evidence - fit.evidence,
         });
         self.state(direction, fit, alternative.filter(|other| other.rise <= AS_GOOD), points, noise)
     }
 
-    /// Noise of the residuals, and Huber's weights of the points.
-    fn weigh(&self, fit: &Fit, points: &mut [Point]) -> Noise {
+    /// Noise of the residuals from a curve, and Huber's weights of the points.
+    fn weigh(
+        &self,
+        curve: &Curve,
+        unknowns: &[f64; NUISANCES],
+        fit: Option<&Fit>,
+        points: &mut [Point],
+    ) -> Noise {
+        if points.is_empty() {
+            return Noise::default();
+        }
         let half_width = self.measurement.setup.half_width_um;
         let given = self.measurement.contour.and_then(|contour| contour.noise_um).map(|noise| noise / half_width);
         let data = self.data(&[], 1.0);
         for point in &mut *points {
-            let left = data.left(&fit.shape.curve, point.place, &fit.unknowns);
+            let left = data.left(curve, point.place, unknowns);
             (point.residual, point.along, point.below) = left;
         }
         // The median of the residuals' sizes by halving, for which they need no order.
@@ -362,7 +370,7 @@ impl Solver<'_, '_, '_, '_> {
             sum += point.weight * point.residual * point.residual;
             squares += point.residual * point.residual;
         }
-        let fitted = fitted(fit);
+        let fitted = fit.map_or(2.0, fitted);
         let freedom = (count - fitted).max(1.0);
         let estimated = libm::sqrt(ROBUST_VARIANCE * sum / freedom).max(LEAST_NOISE);
         // More scatter than was said is there, if it is not by chance.
@@ -399,9 +407,12 @@ impl Solver<'_, '_, '_, '_> {
             Flow::CapsuleVelocity(capsule) => capsule / velocity,
         };
         let mut bins = [Point::default(); 2 * BINS];
-        let count = gather(&self.data(&[], 1.0), &fit, points, &mut bins);
+        let count = gather(&self.data(&[], 1.0), &fit.shape.curve, &fit.unknowns, points, &mut bins);
         let bins = bins.get(..count).unwrap_or_default();
-        let data = self.data(bins, noise.counted.max(LEAST_NOISE));
+        let data = Data {
+            bound: fit.bound,
+            ..self.data(bins, noise.counted.max(LEAST_NOISE))
+        };
         // Student's quantiles for a noise that is an estimate itself.
         let freedom = noise.freedom.max(3.0);
         let known = points.is_empty() || self.measurement.contour.is_some_and(|contour| contour.noise_um.is_some());
@@ -440,7 +451,7 @@ impl Solver<'_, '_, '_, '_> {
         };
         let shear = setup.viscosity_pa_s * mean_velocity / value;
         let structure = fit.unknowns.iter().enumerate().skip(NUISANCES - MODES).map(|(i, c)| {
-            let share = c / data.deviation(i, fit.shape.bound);
+            let share = c / data.deviation(i);
             share * share
         });
         let found = Identification {
@@ -511,6 +522,11 @@ impl Solver<'_, '_, '_, '_> {
     }
 }
 
+/// The fit with the least sum.
+fn best(fits: &[Option<Fit>; 2]) -> Option<&Fit> {
+    fits.iter().flatten().min_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
+
 /// What the residuals of a contour say of its noise, in l.
 #[derive(Clone, Copy, Debug, Default)]
 struct Noise {
@@ -567,8 +583,14 @@ fn together(points: &[Point]) -> f64 {
 
 /// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal until its
 /// residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
-fn gather(data: &Data<'_>, fit: &Fit, points: &[Point], bins: &mut [Point; 2 * BINS]) -> usize {
-    let curve: &Curve = &fit.shape.curve;
+fn gather(
+    data: &Data<'_>,
+    curve: &Curve,
+    unknowns: &[f64; NUISANCES],
+    points: &[Point],
+    bins: &mut [Point; 2 * BINS],
+) -> usize {
+    bins.fill(Point::default());
     if points.len() <= bins.len() {
         bins.iter_mut().zip(points).for_each(|(bin, point)| *bin = *point);
         return points.len();
@@ -586,8 +608,8 @@ fn gather(data: &Data<'_>, fit: &Fit, points: &[Point], bins: &mut [Point; 2 * B
         let bin = bins[i];
         if bin.weight > 0.0 {
             let place = bin.place.map(|x| x / bin.weight);
-            let (left, along, below) = data.left(curve, place, &fit.unknowns);
-            let normal = data.normal_at(curve, place, &fit.unknowns);
+            let (left, along, below) = data.left(curve, place, unknowns);
+            let normal = data.normal_at(curve, place, unknowns);
             let missing = bin.residual / bin.weight - left;
             bins[count] = Point {
                 place: [0, 1].map(|d| place[d] + missing * normal[d]),

@@ -9,6 +9,8 @@ mod fom_limit;
 mod fom_run;
 mod fom_shear;
 mod fom_validate;
+mod identify;
+mod identify_contour;
 mod interrupt;
 mod membrane;
 mod model;
@@ -71,6 +73,8 @@ enum Command {
     Offline(Offline),
     /// Predict a capsule's motion with the reduced-order model
     Predict(predict::Options),
+    /// Membrane properties from an outline of a capsule, or from a few lengths
+    Identify(Box<identify::Options>),
     /// How accurate and how fast the reduced-order model is
     #[command(subcommand)]
     Study(Study),
@@ -150,6 +154,7 @@ fn main() -> ExitCode {
         Command::Database(Data::Merge(options)) => database_merge::run(&options),
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
+        Command::Identify(options) => identify::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
         Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
         Command::Study(Study::Bending(options)) => study_bending::run(&options),
