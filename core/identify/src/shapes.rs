@@ -159,8 +159,6 @@ impl<'a, 'w> Shapes<'a, 'w> {
     /// Derivatives at a place, by differences between two places on either side in each parameter, as `ends` gives
     /// them for the steps: at an edge of the domain one of them may be the place itself.
     ///
-    /// A difference of two outlines, taken along the normal, is how far the curve moves outward, whatever its points do
-    /// along it.
     pub(crate) fn sensitivity(
         &mut self,
         shape: &Shape,
@@ -177,9 +175,8 @@ impl<'a, 'w> Shapes<'a, 'w> {
             let width = after[d] - before[d];
             let [low, high] = [self.at(before)?, self.at(after)?];
             let share = if width > 0.0 { 1.0 / width } else { 0.0 };
-            let points = low.curve.points().iter().zip(high.curve.points());
-            for (i, (outward, (low, high))) in sensitivity.outward.iter_mut().zip(points).enumerate() {
-                outward[d] = share * dot([high[0] - low[0], high[1] - low[1]], shape.curve.normal(i));
+            for (i, outward) in sensitivity.outward.iter_mut().enumerate().take(shape.curve.count()) {
+                outward[d] = share * self.outward(i, shape, [&low.curve, &high.curve]);
             }
             let scalars = low.scalars.iter().zip(&high.scalars);
             for (derivative, (low, high)) in sensitivity.scalars.iter_mut().zip(scalars) {
@@ -187,5 +184,21 @@ impl<'a, 'w> Shapes<'a, 'w> {
             }
         }
         Ok(sensitivity)
+    }
+    /// How far a point of the curve moves outward from one curve to another beside it.
+    fn outward(&self, i: usize, shape: &Shape, [low, high]: [&Curve; 2]) -> f64 {
+        let point = |curve: &Curve| curve.points().get(i).copied().unwrap_or_default();
+        match self.observable {
+            // The same point of the membrane: what it moves along the curve does not count.
+            Observable::Midplane => {
+                let ([x0, y0], [x1, y1]) = (point(low), point(high));
+                dot([x1 - x0, y1 - y0], shape.curve.normal(i))
+            }
+            // Other points of the membrane, which may move far along a bent curve.
+            Observable::Silhouette => {
+                let place = point(&shape.curve);
+                low.nearest_from(i, place).distance - high.nearest_from(i, place).distance
+            }
+        }
     }
 }

@@ -292,7 +292,9 @@ impl Solver<'_, '_, '_, '_> {
             contour.fill(direction, half_width, framed.middle, points);
         }
         let least = candidates.iter().flatten().map(|c| c.sum).fold(f64::INFINITY, f64::min);
-        let candidates = candidates.map(|candidate| candidate.filter(|c| c.sum <= least + HOPELESS));
+        // Where even the best start leaves much, the noise is greater than was assumed.
+        let hopeless = least + HOPELESS * (least / FEW as f64).max(1.0);
+        let candidates = candidates.map(|candidate| candidate.filter(|c| c.sum <= hopeless));
         let mut bins = [Point::default(); 2 * BINS];
         // Noise and weights of the points from the residuals of the best fit so far, until they stay. A fit works with
         // the points in bins.
