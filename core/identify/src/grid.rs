@@ -93,7 +93,7 @@ impl Grid {
     /// The nearest entries to measured features on a side, the nearest first; of neighbours only the nearest.
     pub(crate) fn nearest<const N: usize>(&self, side: Side, features: &[Option<f64>; FEATURES]) -> [Option<Start>; N] {
         /// Entries closer than this in ln Ca and a/l lead to the same minimum.
-        const APART: [f64; 2] = [0.6, 0.08];
+        const APART: [f64; 2] = [0.2, 0.035];
         let mut found: [Option<Start>; N] = [None; N];
         for slot in 0..N {
             let mut best: Option<Start> = None;

@@ -29,8 +29,8 @@ pub struct Memory<'w> {
     pub normals: &'w mut [[f32; 3]],
 }
 
-/// Points of half a silhouette.
-const SILHOUETTE: usize = 65;
+/// Rays of half a silhouette: so many that chords do for the curve, also where rays cut it at a small angle.
+const RAYS: usize = 385;
 
 /// Steps of the differences that give derivatives, in ln Ca and a/l. The outline of the shipped model comes with a
 /// rounding of 1e-5 l and changes by 0.05 to 0.3 l per unit of ln Ca, by 0.5 to 2 l per unit of a/l.
@@ -133,10 +133,11 @@ impl<'a, 'w> Shapes<'a, 'w> {
                 let nodes = instant.outline(MIDPLANE, Frame::Centroid, &mut rear)?;
                 let [rear, _] = rear.get(nodes.saturating_sub(1)).copied().unwrap_or_default();
                 instant.positions(&scene, self.memory.positions)?;
-                let out = points.get_mut(..SILHOUETTE).unwrap_or_default();
                 let mesh = self.model.mesh();
-                silhouette(&mesh, self.memory.positions, [1.0, 0.0], self.memory.normals, out)?;
-                (SILHOUETTE, f64::from(rear))
+                let mut rays = [[0.0; 2]; RAYS];
+                silhouette(&mesh, self.memory.positions, [1.0, 0.0], self.memory.normals, &mut rays)?;
+                evenly(&rays, &mut points);
+                (MAX_HALF, f64::from(rear))
             }
         };
         let points = points.get(..count).unwrap_or_default();
@@ -199,6 +200,50 @@ impl<'a, 'w> Shapes<'a, 'w> {
                 let place = point(&shape.curve);
                 low.nearest_from(i, place).distance - high.nearest_from(i, place).distance
             }
+        }
+    }
+}
+
+/// Points at equal distances along a chain of others, from its first to its last.
+fn evenly(chain: &[[f32; 2]], out: &mut [[f32; 2]; MAX_HALF]) {
+    let length = |pair: &[[f32; 2]]| match pair {
+        [[x0, y0], [x1, y1]] => libm::sqrtf((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)),
+        _ => 0.0,
+    };
+    let whole: f32 = chain.windows(2).map(length).sum();
+    let step = whole / (MAX_HALF - 1) as f32;
+    let mut way = 0.0;
+    let mut next = 0;
+    for pair in chain.windows(2) {
+        let own = length(pair);
+        while let (true, [[x0, y0], [x1, y1]], Some(out)) = (next as f32 * step <= way + own, pair, out.get_mut(next)) {
+            let share = if own > 0.0 { (next as f32 * step - way) / own } else { 0.0 };
+            *out = [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
+            next += 1;
+        }
+        way += own;
+    }
+    // Rounding may leave out the last.
+    if let (Some(last), Some(rest)) = (chain.last(), out.get_mut(next..)) {
+        rest.fill(*last);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_lie_at_equal_distances() {
+        let chain: [[f32; 2]; 200] = core::array::from_fn(|i| {
+            let angle = core::f32::consts::PI * (i as f32 / 199.0) * (i as f32 / 199.0);
+            [libm::cosf(angle), libm::sinf(angle)]
+        });
+        let mut out = [[0.0; 2]; MAX_HALF];
+        evenly(&chain, &mut out);
+        for (i, [x, y]) in out.into_iter().enumerate() {
+            let angle = core::f32::consts::PI * i as f32 / (MAX_HALF - 1) as f32;
+            assert!((x - libm::cosf(angle)).abs() < 1e-3 && (y - libm::sinf(angle)).abs() < 1e-3, "{i}");
         }
     }
 }

@@ -18,7 +18,7 @@ const FEW: usize = 48;
 /// Bins on each side of the axis into which a contour is gathered for its intervals.
 const BINS: usize = 40;
 /// Starts on each side of the border.
-const STARTS: usize = 2;
+const STARTS: usize = 3;
 /// A start whose features are farther from the measured ones than the nearest, by this, is not tried.
 const FARTHER: f64 = 30.0;
 /// A start whose sum is greater than the best by this is dropped before all points take part.

@@ -27,6 +27,7 @@ mod solver_options;
 mod source;
 mod study_bending;
 mod study_fresh;
+mod study_identify;
 mod study_leave_one_out;
 mod study_report;
 mod study_sample;
@@ -130,6 +131,8 @@ enum Study {
     Sample(study_sample::Options),
     /// How smooth the samples of a database are along its rows: the floor of a model's error
     Smoothness(study_smoothness::Options),
+    /// How well capsules are identified from their outlines: errors, coverage, spread, time
+    Identify(study_identify::Options),
     /// Time of a query, a trajectory, a surface, an outline
     Speed(study_speed::Options),
     /// What an outline, a section, a surface, velocities, tensions cost: operations, bytes, time
@@ -158,6 +161,7 @@ fn main() -> ExitCode {
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
         Command::Study(Study::Fresh(options)) => study_fresh::run(&options),
         Command::Study(Study::Bending(options)) => study_bending::run(&options),
+        Command::Study(Study::Identify(options)) => study_identify::run(&options),
         Command::Study(Study::Sample(options)) => study_sample::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Scenes(options)) => study_scenes::run(&options),

@@ -3,6 +3,7 @@
 
 mod error;
 mod fresh;
+pub mod identify;
 mod leave_one_out;
 mod random;
 mod report;
