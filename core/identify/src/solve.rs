@@ -40,6 +40,8 @@ const LEAST_NOISE: f64 = 1e-5;
 /// More of the model's error than it ever has: with a normal distribution 24 on average and 51 once in a thousand, but
 /// large errors are more frequent than that.
 const STRUCTURE: f64 = 150.0;
+/// Neighbouring residuals that err alike, more than by chance.
+const TOGETHER: f64 = 3.0;
 /// Deviations of scale or edge that are too many.
 const FAR: f64 = 3.0;
 
@@ -506,7 +508,11 @@ impl Solver<'_, '_, '_, '_> {
         let far = |value: f64, deviation: f64| value.abs() > FAR * deviation && deviation > 0.0;
         let open = |intervals: Option<[Interval; 2]>| intervals.is_none_or(|[_, wide]| wide.open != [false; 2]);
         let [ca, confinement, _] = intervals;
-        if priors.model > 0.0 && (found.structure > STRUCTURE || noisy) {
+        // What of the residuals is smooth along the contour, more than the edge and the model may err by.
+        let smooth = found.residual_um * libm::sqrt(1.0 - 1.0 / found.correlated_points.max(1.0));
+        let allowed = priors.edge_um.max(fit.bound * self.measurement.setup.half_width_um);
+        let structured = found.correlated_points > TOGETHER && smooth > allowed;
+        if structured || (priors.model > 0.0 && (found.structure > STRUCTURE || noisy)) {
             Verdict::NotSuchACapsule
         } else if fit.pressure > AS_GOOD {
             Verdict::OutsideDomain

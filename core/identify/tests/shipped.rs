@@ -30,7 +30,7 @@ impl Bench {
     }
 }
 
-const HALF_WIDTH: f64 = 25.0;
+const CHANNEL_UM: f64 = 25.0;
 
 /// A closed contour in um along a shape, in image coordinates, and with noise from a generator.
 fn contour(shape: &Shape, count: usize, noise: f64, mut normal: impl FnMut() -> f64) -> Vec<[f64; 2]> {
@@ -50,8 +50,8 @@ fn contour(shape: &Shape, count: usize, noise: f64, mut normal: impl FnMut() -> 
             let share = (s - way[i - 1]) / (way[i] - way[i - 1]);
             let out = noise * normal();
             [
-                100.0 + HALF_WIDTH * (p[0] + share * tx + out * ty / length),
-                40.0 + HALF_WIDTH * (p[1] + share * ty - out * tx / length),
+                100.0 + CHANNEL_UM * (p[0] + share * tx + out * ty / length),
+                40.0 + CHANNEL_UM * (p[1] + share * ty - out * tx / length),
             ]
         })
         .collect()
@@ -75,7 +75,7 @@ fn normals(seed: u64) -> impl FnMut() -> f64 {
 fn measurement(points: &[[f64; 2]]) -> Measurement<'_> {
     Measurement {
         setup: Setup {
-            half_width_um: HALF_WIDTH,
+            half_width_um: CHANNEL_UM,
             flow: Flow::MeanVelocity(5e-3),
             viscosity_pa_s: 0.8,
         },
@@ -124,7 +124,7 @@ fn an_outline_of_the_model_gives_its_parameters() {
                 (found.confinement.value / truth[1] - 1.0).abs(),
             ];
             assert!(errors[0] < ca && errors[1] < radius, "{observable:?} {truth:?}: {errors:?}");
-            assert!((found.radius_um.value - HALF_WIDTH * found.confinement.value).abs() < 1e-9);
+            assert!((found.radius_um.value - CHANNEL_UM * found.confinement.value).abs() < 1e-9);
             // G_s = mu V / Ca.
             let modulus = 0.8 * 5e-3 / found.capillary_number.value;
             assert!((found.shear_modulus_n_per_m.value / modulus - 1.0).abs() < 1e-12);
@@ -136,7 +136,7 @@ fn an_outline_of_the_model_gives_its_parameters() {
 fn noise_is_found_and_intervals_hold() {
     let (mut held, mut asked) = (0, 0);
     each(Observable::Midplane, 1e-3, |_| {}, |truth, found| {
-        assert!((found.noise_um / HALF_WIDTH - 1e-3).abs() < 1e-4, "{}", found.noise_um);
+        assert!((found.noise_um / CHANNEL_UM - 1e-3).abs() < 1e-4, "{}", found.noise_um);
         for (estimate, truth) in [(found.capillary_number, truth[0]), (found.confinement, truth[1])] {
             held += usize::from(estimate.interval_95.contains(truth));
             asked += 1;
@@ -151,7 +151,7 @@ fn noise_is_found_and_intervals_hold() {
 
 #[test]
 fn intervals_near_the_best_value_are_those_of_the_curvature() {
-    each(Observable::Midplane, 2e-4, |m| m.contour.as_mut().unwrap().noise_um = Some(2e-4 * HALF_WIDTH), |_, found| {
+    each(Observable::Midplane, 2e-4, |m| m.contour.as_mut().unwrap().noise_um = Some(2e-4 * CHANNEL_UM), |_, found| {
         let Interval { low, high, .. } = found.capillary_number.interval_95;
         let half = 0.5 * (high / low).ln();
         let expected = 1.96 * found.deviations[0];
@@ -212,7 +212,7 @@ fn an_edge_that_is_drawn_too_far_out_does_not_move_the_answer_much() {
     let (fitted, ignored) = (found(0.0625), found(0.0));
     let error = |found: &Identification| (found.capillary_number.value / 0.08 - 1.0).abs();
     assert!(error(&fitted) < 2e-3 && error(&ignored) > 4e-3, "{} {}", error(&fitted), error(&ignored));
-    assert!((fitted.edge_um - out * HALF_WIDTH).abs() < 0.01, "{}", fitted.edge_um);
+    assert!((fitted.edge_um - out * CHANNEL_UM).abs() < 0.01, "{}", fitted.edge_um);
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn three_lengths_are_enough() {
     let shape = shapes.at([f64::ln(0.1), 0.9]).unwrap();
     let length = |i: usize| {
         Some(Measured {
-            value: HALF_WIDTH * shape.scalars[i],
+            value: CHANNEL_UM * shape.scalars[i],
             deviation: 0.05,
         })
     };
