@@ -79,7 +79,10 @@ fn an_ellipsoid_is_seen_as_an_ellipse() {
             }
             // Along the mirror planes the rim runs through nodes, elsewhere between them.
             let fine = if angle == 0.3 { 5e-4 } else { 1e-4 };
-            assert!(worst < if frequency == 4 { 5e-3 } else { fine }, "{frequency} {angle}: {worst}");
+            assert!(
+                worst < if frequency == 4 { 5e-3 } else { fine },
+                "{frequency} {angle}: {worst}"
+            );
         }
     }
 }
@@ -99,17 +102,24 @@ fn a_dented_square_surface_is_seen_as_far_as_its_meridians_reach() {
         let mut errors = [0.0_f64; 2];
         for (error, frequency) in errors.iter_mut().zip([8, 16]) {
             let out = seen(frequency, angle, surface);
-            let extent = Family::new(frequency).sphere.nodes.iter().fold([f64::INFINITY, -1.0], |[low, high], node| {
-                let [x, ..] = surface(*node);
-                [low.min(x), high.max(x)]
-            });
+            let extent = Family::new(frequency)
+                .sphere
+                .nodes
+                .iter()
+                .fold([f64::INFINITY, -1.0], |[low, high], node| {
+                    let [x, ..] = surface(*node);
+                    [low.min(x), high.max(x)]
+                });
             let middle = 0.5 * (extent[0] + extent[1]);
             for ([x, w], met) in out.into_iter().zip(met(angle, middle, surface)) {
                 *error = error.max(((x - middle).hypot(w) - met).abs());
             }
         }
         let [coarse, fine] = errors;
-        assert!(coarse < 4e-3 && fine < 5e-4 && fine < coarse / 4.0, "{angle}: {coarse} {fine}");
+        assert!(
+            coarse < 4e-3 && fine < 5e-4 && fine < coarse / 4.0,
+            "{angle}: {coarse} {fine}"
+        );
     }
 }
 
@@ -122,10 +132,19 @@ fn what_does_not_fit_is_refused() {
     let positions = &family.sphere.nodes;
     let sector = mesh.sector_nodes().len();
     let ask = |positions: &[[f64; 3]], normals: usize, out: usize| {
-        silhouette(&mesh, positions, [1.0, 0.0], &mut vec![[0.0; 3]; normals], &mut vec![[0.0; 2]; out])
+        silhouette(
+            &mesh,
+            positions,
+            [1.0, 0.0],
+            &mut vec![[0.0; 3]; normals],
+            &mut vec![[0.0; 2]; out],
+        )
     };
     let short = |required, found| Err(EvaluateError::BufferTooShort { required, found });
-    assert_eq!(ask(&positions[1..], sector, 9), short(positions.len(), positions.len() - 1));
+    assert_eq!(
+        ask(&positions[1..], sector, 9),
+        short(positions.len(), positions.len() - 1)
+    );
     assert_eq!(ask(positions, sector - 1, 9), short(sector, sector - 1));
     assert_eq!(ask(positions, sector, 2), short(3, 2));
     assert_eq!(ask(positions, sector, 3), Ok(()));

@@ -61,7 +61,9 @@ mod tests {
             let product: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
             assert!((product - right).abs() < 1e-14);
         }
-        assert!((factor.log_determinant() - libm::log(4.0 * (6.0 - 0.04) - (2.0 + 0.1) + 0.5 * (-0.2 - 1.5))).abs() < 1e-14);
+        assert!(
+            (factor.log_determinant() - libm::log(4.0 * (6.0 - 0.04) - (2.0 + 0.1) + 0.5 * (-0.2 - 1.5))).abs() < 1e-14
+        );
         let column = factor.inverse_column(1);
         let product: f64 = matrix[1].iter().zip(column).map(|(a, x)| a * x).sum();
         assert!((product - 1.0).abs() < 1e-14);

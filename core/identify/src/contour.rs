@@ -60,9 +60,14 @@ impl core::fmt::Display for ContourError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {
             Self::TooFewPoints { found } => {
-                write!(f, "the contour has {found} points: at least {MIN_POINTS} are needed, around the whole capsule")
+                write!(
+                    f,
+                    "the contour has {found} points: at least {MIN_POINTS} are needed, around the whole capsule"
+                )
             }
-            Self::TooManyPoints { found, room } => write!(f, "the contour has {found} points, there is room for {room}"),
+            Self::TooManyPoints { found, room } => {
+                write!(f, "the contour has {found} points, there is room for {room}")
+            }
             Self::NotFinite { index } => write!(f, "point {} of the contour is not a finite number", index + 1),
             Self::SelfCrossing { first, second } => write!(
                 f,
@@ -120,7 +125,9 @@ impl Contour<'_> {
         let way: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
         let gap = points.first().zip(points.last()).map_or(0.0, |(a, b)| distance(*a, *b));
         if gap > MAX_GAP * (way + gap) {
-            return Err(ContourError::Open { share: gap / (way + gap) });
+            return Err(ContourError::Open {
+                share: gap / (way + gap),
+            });
         }
         let framed = self.framed(Direction::Right, half_width_um);
         let [length, width] = [LENGTH, HALF_WIDTH].map(|i| framed.features[i].unwrap_or(0.0));
@@ -152,9 +159,8 @@ impl Contour<'_> {
         let n = points.len();
         let apart = (n / 10).max(4);
         let closed = |i: usize| points[i % n];
-        let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
-            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        };
+        let turn =
+            |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         for first in 0..n {
             let (a, b) = (closed(first), closed(first + 1));
             for second in first + apart..n.min(first + n - apart.min(n) + 1) {
@@ -187,7 +193,11 @@ impl Contour<'_> {
             before = point;
         }
         let middle = [0, 1].map(|d| 0.5 * (extent[0][d] + extent[1][d]));
-        let centroid = if double_area == 0.0 { 0.0 } else { origin[0] + moment / double_area };
+        let centroid = if double_area == 0.0 {
+            0.0
+        } else {
+            origin[0] + moment / double_area
+        };
         let mut features = [None; FEATURES];
         features[LENGTH] = Some(extent[1][0] - extent[0][0]);
         features[HALF_WIDTH] = Some(0.5 * (extent[1][1] - extent[0][1]));

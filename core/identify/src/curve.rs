@@ -55,8 +55,7 @@ impl Curve {
         for (i, tangent) in tangents.iter_mut().enumerate().take(curve.count) {
             let i = i as isize;
             let [before, after, far_before, far_after] = [at(i - 1), at(i + 1), at(i - 2), at(i + 2)];
-            *tangent =
-                [0, 1].map(|d| (8.0 * (after[d] - before[d]) - (far_after[d] - far_before[d])) / 12.0);
+            *tangent = [0, 1].map(|d| (8.0 * (after[d] - before[d]) - (far_after[d] - far_before[d])) / 12.0);
         }
         curve.tangents = tangents;
         Some(curve)
@@ -202,7 +201,11 @@ pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// The normal to the right of a tangent: outward on a way from the front over y > 0 to the rear.
 fn unit_normal([x, y]: [f64; 2]) -> [f64; 2] {
     let length = libm::sqrt(x * x + y * y);
-    if length > 0.0 { [y / length, -x / length] } else { [0.0; 2] }
+    if length > 0.0 {
+        [y / length, -x / length]
+    } else {
+        [0.0; 2]
+    }
 }
 
 #[cfg(test)]
@@ -226,7 +229,11 @@ mod tests {
             for radius in [0.85, 0.9, 0.97] {
                 let (c, s) = (libm::cos(angle), libm::sin(angle).abs());
                 let foot = circle.nearest([radius * c, radius * s]);
-                assert!((foot.distance - (radius - 0.9)).abs() < 3e-6, "{angle} {}", foot.distance);
+                assert!(
+                    (foot.distance - (radius - 0.9)).abs() < 3e-6,
+                    "{angle} {}",
+                    foot.distance
+                );
                 assert!((foot.normal[0] - c).abs() < 2e-4 && (foot.normal[1] - s).abs() < 2e-4);
             }
         }

@@ -54,7 +54,10 @@ impl Reduced {
         let factor = Factor::new(&matrix)?;
         let column = |d: usize| -> [f64; NUISANCES] { core::array::from_fn(|i| -normal.matrix[2 + i][d]) };
         let mut right = [0.0; NUISANCES];
-        right.iter_mut().zip(&normal.gradient[2..]).for_each(|(right, g)| *right = -g);
+        right
+            .iter_mut()
+            .zip(&normal.gradient[2..])
+            .for_each(|(right, g)| *right = -g);
         let others = [right, column(0), column(1)].map(|right| factor.solve(&right));
         let along = |d: usize, step: &[f64; NUISANCES]| -> f64 {
             (0..NUISANCES).map(|i| normal.matrix[2 + i][d] * step[i]).sum()
@@ -63,7 +66,12 @@ impl Reduced {
         Some(Self {
             matrix,
             gradient: [0, 1].map(|d| normal.gradient[d] + along(d, &others[0])),
-            sum: normal.sum + normal.gradient[2..].iter().zip(&others[0]).map(|(g, step)| g * step).sum::<f64>(),
+            sum: normal.sum
+                + normal.gradient[2..]
+                    .iter()
+                    .zip(&others[0])
+                    .map(|(g, step)| g * step)
+                    .sum::<f64>(),
             others,
         })
     }
@@ -78,15 +86,17 @@ impl Reduced {
     pub(crate) fn covariance(&self) -> Option<[[f64; 2]; 2]> {
         let [[a, b], [_, c]] = self.matrix;
         let determinant = a * c - b * b;
-        (a > 0.0 && determinant > 1e-12 * a * c).then(|| {
-            [[c / determinant, -b / determinant], [-b / determinant, a / determinant]]
-        })
+        (a > 0.0 && determinant > 1e-12 * a * c)
+            .then(|| [[c / determinant, -b / determinant], [-b / determinant, a / determinant]])
     }
 
     /// The damped step.
     fn step(&self, damping: f64) -> [f64; 2] {
         let [[a, b], [_, c]] = self.matrix;
-        let (a, c) = (a * (1.0 + damping) + f64::MIN_POSITIVE, c * (1.0 + damping) + f64::MIN_POSITIVE);
+        let (a, c) = (
+            a * (1.0 + damping) + f64::MIN_POSITIVE,
+            c * (1.0 + damping) + f64::MIN_POSITIVE,
+        );
         let [p, q] = self.gradient;
         let determinant = a * c - b * b;
         if determinant > 1e-14 * a * c {

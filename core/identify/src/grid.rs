@@ -81,7 +81,11 @@ impl Grid {
                     if let Some(entry) = grid.entries.get_mut(grid.count) {
                         entry.theta = theta.map(|x| x as f32);
                         entry.side = side;
-                        entry.features.iter_mut().zip(features).for_each(|(f, value)| *f = *value as f32);
+                        entry
+                            .features
+                            .iter_mut()
+                            .zip(features)
+                            .for_each(|(f, value)| *f = *value as f32);
                         grid.count += 1;
                     }
                 }
@@ -105,7 +109,9 @@ impl Grid {
                 }
                 let differences = features.iter().zip(&entry.features).zip(SPREAD);
                 let distance = differences
-                    .filter_map(|((measured, own), spread)| measured.map(|measured| (measured - f64::from(*own)) / spread))
+                    .filter_map(|((measured, own), spread)| {
+                        measured.map(|measured| (measured - f64::from(*own)) / spread)
+                    })
                     .map(|difference| difference * difference)
                     .sum();
                 if best.is_none_or(|best| distance < best.distance) {

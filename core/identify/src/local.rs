@@ -31,7 +31,13 @@ impl Local {
             return None;
         }
         let terms = [1.0, x, y, x * x, x * y, y * y];
-        let row = |i: usize| -> f64 { self.products[i].iter().zip(terms).map(|(product, term)| product * term).sum() };
+        let row = |i: usize| -> f64 {
+            self.products[i]
+                .iter()
+                .zip(terms)
+                .map(|(product, term)| product * term)
+                .sum()
+        };
         Some((0..TERMS).map(|i| terms[i] * row(i)).sum())
     }
 }
@@ -45,8 +51,16 @@ impl Fitter<'_, '_, '_> {
         fit: &Fit,
         steps: [f64; 2],
     ) -> Result<Option<Local>, EvaluateError> {
-        const PLACES: [[f64; 2]; 8] =
-            [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0], [-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]];
+        const PLACES: [[f64; 2]; 8] = [
+            [-1.0, 0.0],
+            [1.0, 0.0],
+            [0.0, -1.0],
+            [0.0, 1.0],
+            [-1.0, -1.0],
+            [1.0, 1.0],
+            [-1.0, 1.0],
+            [1.0, -1.0],
+        ];
         let place = |[x, y]: [f64; 2]| [fit.theta[0] + x * steps[0], fit.theta[1] + y * steps[1]];
         if !PLACES.iter().all(|at| self.inside(fit.side, place(*at))) {
             return Ok(None);
@@ -74,8 +88,14 @@ impl Fitter<'_, '_, '_> {
             terms.iter_mut().skip(1).zip(own).for_each(|(term, own)| *term = -own);
             for (i, term) in terms.iter().enumerate() {
                 let term = weight * term;
-                products[i].iter_mut().zip(terms).for_each(|(product, other)| *product += term * other);
-                mixed[i].iter_mut().zip(others).for_each(|(product, other)| *product += term * other);
+                products[i]
+                    .iter_mut()
+                    .zip(terms)
+                    .for_each(|(product, other)| *product += term * other);
+                mixed[i]
+                    .iter_mut()
+                    .zip(others)
+                    .for_each(|(product, other)| *product += term * other);
             }
             for (i, a) in others.iter().enumerate() {
                 let a = weight * a;

@@ -21,7 +21,11 @@ impl Interval {
     pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let [a, b] = [f(self.low), f(self.high)];
         if a <= b {
-            Self { low: a, high: b, ..self }
+            Self {
+                low: a,
+                high: b,
+                ..self
+            }
         } else {
             Self {
                 low: b,
@@ -88,7 +92,11 @@ impl Fitter<'_, '_, '_> {
             for (interval, quantile) in intervals.iter_mut().zip(quantiles) {
                 let (value, open) = self.end(profile, [along, across], g, sign, quantile)?;
                 interval.open[end] = open;
-                *(if end == 0 { &mut interval.low } else { &mut interval.high }) = value;
+                *(if end == 0 {
+                    &mut interval.low
+                } else {
+                    &mut interval.high
+                }) = value;
             }
         }
         Ok(Some(intervals))
@@ -106,9 +114,8 @@ impl Fitter<'_, '_, '_> {
         const TRIALS: usize = 8;
         let fit = profile.fit;
         const CLOSE: f64 = 0.02;
-        let change = |theta: [f64; 2]| {
-            gradient[0] * (theta[0] - fit.theta[0]) + gradient[1] * (theta[1] - fit.theta[1])
-        };
+        let change =
+            |theta: [f64; 2]| gradient[0] * (theta[0] - fit.theta[0]) + gradient[1] * (theta[1] - fit.theta[1]);
         // The root of the rise grows about as the distance does.
         let (mut inner, mut outer) = ([0.0, 0.0], None::<[f64; 2]>);
         let mut last = fit.theta;

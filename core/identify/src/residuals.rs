@@ -122,10 +122,17 @@ impl<'p> Data<'p> {
 
     /// A point as the unknowns place it, and its derivatives by tilt and scale.
     fn moved(&self, [x, y]: [f64; 2], unknowns: &[f64; NUISANCES]) -> [[f64; 2]; 3] {
-        let (cos, sin, grown) = (libm::cos(unknowns[TILT]), libm::sin(unknowns[TILT]), 1.0 + unknowns[SCALE]);
+        let (cos, sin, grown) = (
+            libm::cos(unknowns[TILT]),
+            libm::sin(unknowns[TILT]),
+            1.0 + unknowns[SCALE],
+        );
         let turned = [cos * x + sin * y, cos * y - sin * x];
         [
-            [grown * turned[0] - unknowns[SHIFT], grown * turned[1] - unknowns[SHIFT + 1]],
+            [
+                grown * turned[0] - unknowns[SHIFT],
+                grown * turned[1] - unknowns[SHIFT + 1],
+            ],
             [grown * turned[1], -grown * turned[0]],
             turned,
         ]
@@ -140,7 +147,13 @@ impl<'p> Data<'p> {
         Residual {
             along: foot.place,
             value: foot.distance - unknowns[EDGE],
-            row: [-normal[0], -normal[1], dot(normal, by_tilt), -1.0, dot(normal, by_scale)],
+            row: [
+                -normal[0],
+                -normal[1],
+                dot(normal, by_tilt),
+                -1.0,
+                dot(normal, by_scale),
+            ],
         }
     }
 
@@ -155,7 +168,11 @@ impl<'p> Data<'p> {
 
     /// The outward normal at a place of the contour, in its frame.
     pub(crate) fn normal_at(&self, curve: &Curve, place: [f64; 2], unknowns: &[f64; NUISANCES]) -> [f64; 2] {
-        let [x, y] = self.residual(curve, place, unknowns).row.first_chunk::<2>().map_or([0.0; 2], |n| n.map(|x| -x));
+        let [x, y] = self
+            .residual(curve, place, unknowns)
+            .row
+            .first_chunk::<2>()
+            .map_or([0.0; 2], |n| n.map(|x| -x));
         let (cos, sin) = (libm::cos(unknowns[TILT]), libm::sin(unknowns[TILT]));
         [cos * x - sin * y, cos * y + sin * x]
     }
@@ -197,8 +214,17 @@ impl<'p> Data<'p> {
             (row[EDGE], row[SCALE]) = (-edge, scale);
             let residual = value + scale * unknowns[SCALE] - edge * unknowns[EDGE] - shape.scalars[s];
             // A length errs as the outline does; the radius is what is asked for.
-            let own = if s == RADIUS { 0.0 } else { 0.5 * self.model * self.bound };
-            each(1.0 / (deviation * deviation + own * own), residual, &row, Place::Scalar(s));
+            let own = if s == RADIUS {
+                0.0
+            } else {
+                0.5 * self.model * self.bound
+            };
+            each(
+                1.0 / (deviation * deviation + own * own),
+                residual,
+                &row,
+                Place::Scalar(s),
+            );
         }
         for (nuisance, value) in unknowns.iter().enumerate() {
             let deviation = self.deviation(nuisance);
@@ -284,4 +310,3 @@ fn cosines(curve: &Curve, place: f64) -> [f64; MODES] {
     }
     cosines
 }
-

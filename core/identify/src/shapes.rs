@@ -217,7 +217,11 @@ fn evenly(chain: &[[f32; 2]], out: &mut [[f32; 2]; MAX_HALF]) {
     for pair in chain.windows(2) {
         let own = length(pair);
         while let (true, [[x0, y0], [x1, y1]], Some(out)) = (next as f32 * step <= way + own, pair, out.get_mut(next)) {
-            let share = if own > 0.0 { (next as f32 * step - way) / own } else { 0.0 };
+            let share = if own > 0.0 {
+                (next as f32 * step - way) / own
+            } else {
+                0.0
+            };
             *out = [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
             next += 1;
         }
@@ -243,7 +247,10 @@ mod tests {
         evenly(&chain, &mut out);
         for (i, [x, y]) in out.into_iter().enumerate() {
             let angle = core::f32::consts::PI * i as f32 / (MAX_HALF - 1) as f32;
-            assert!((x - libm::cosf(angle)).abs() < 1e-3 && (y - libm::sinf(angle)).abs() < 1e-3, "{i}");
+            assert!(
+                (x - libm::cosf(angle)).abs() < 1e-3 && (y - libm::sinf(angle)).abs() < 1e-3,
+                "{i}"
+            );
         }
     }
 }

@@ -144,8 +144,12 @@ fn check(measurement: &Measurement<'_>, room: usize) -> Result<(), IdentifyError
         ("the deviation of the tilt", priors.tilt),
         ("the factor of the model's error", priors.model),
     ];
-    let bad = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0));
-    let bad = bad.or(not_negative.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)));
+    let bad = positive
+        .into_iter()
+        .find(|(_, value)| !(value.is_finite() && *value > 0.0));
+    let bad = bad.or(not_negative
+        .into_iter()
+        .find(|(_, value)| !(value.is_finite() && *value >= 0.0)));
     if let Some((what, value)) = bad {
         return Err(IdentifyError::Number { what, value });
     }
@@ -194,7 +198,13 @@ struct Solver<'f, 'a, 'w, 'm> {
 impl Solver<'_, '_, '_, '_> {
     fn data<'p>(&self, points: &'p [Point], noise: f64) -> Data<'p> {
         let measurement = self.measurement;
-        Data::new(points, self.scalars, &measurement.priors, measurement.setup.half_width_um, noise)
+        Data::new(
+            points,
+            self.scalars,
+            &measurement.priors,
+            measurement.setup.half_width_um,
+            noise,
+        )
     }
 
     /// Noise in l before the residuals tell it.
@@ -224,11 +234,7 @@ impl Solver<'_, '_, '_, '_> {
         Ok((direction, candidates))
     }
 
-    fn candidates_along(
-        &mut self,
-        grid: &Grid,
-        direction: Direction,
-    ) -> Result<[Option<Candidate>; 2], IdentifyError> {
+    fn candidates_along(&mut self, grid: &Grid, direction: Direction) -> Result<[Option<Candidate>; 2], IdentifyError> {
         let half_width = self.measurement.setup.half_width_um;
         let mut few = [Point::default(); FEW];
         let mut count = 0;
@@ -253,12 +259,21 @@ impl Solver<'_, '_, '_, '_> {
             }
         }
         let noise = self.first_noise();
-        let nearest = [Side::Smooth, Side::Dented].into_iter().flat_map(|side| grid.nearest::<1>(side, &features));
-        let nearest = nearest.flatten().map(|start| start.distance).fold(f64::INFINITY, f64::min);
+        let nearest = [Side::Smooth, Side::Dented]
+            .into_iter()
+            .flat_map(|side| grid.nearest::<1>(side, &features));
+        let nearest = nearest
+            .flatten()
+            .map(|start| start.distance)
+            .fold(f64::INFINITY, f64::min);
         let mut candidates = [None::<Candidate>; 2];
         for (candidate, side) in candidates.iter_mut().zip([Side::Smooth, Side::Dented]) {
             let starts: [_; STARTS] = grid.nearest(side, &features);
-            for start in starts.into_iter().flatten().filter(|start| start.distance <= nearest + FARTHER) {
+            for start in starts
+                .into_iter()
+                .flatten()
+                .filter(|start| start.distance <= nearest + FARTHER)
+            {
                 let mut unknowns = [0.0; NUISANCES];
                 if count > 0 {
                     let shape = self.fitter.shapes.at(start.theta)?;
@@ -319,8 +334,9 @@ impl Solver<'_, '_, '_, '_> {
             let data = self.data(bins.get(..count).unwrap_or_default(), noise.counted.max(LEAST_NOISE));
             for (fit, candidate) in fits.iter_mut().zip(&candidates) {
                 if let Some(candidate) = candidate {
-                    let (theta, unknowns) =
-                        fit.as_ref().map_or((candidate.theta, candidate.unknowns), |fit| (fit.theta, fit.unknowns));
+                    let (theta, unknowns) = fit
+                        .as_ref()
+                        .map_or((candidate.theta, candidate.unknowns), |fit| (fit.theta, fit.unknowns));
                     *fit = self.fitter.fit(&data, candidate.side, theta, unknowns)?;
                 }
             }
@@ -337,22 +353,26 @@ impl Solver<'_, '_, '_, '_> {
             confinement: other.theta[1],
             rise: other.evidence - fit.evidence,
         });
-        self.state(direction, fit, alternative.filter(|other| other.rise <= AS_GOOD), points, noise)
+        self.state(
+            direction,
+            fit,
+            alternative.filter(|other| other.rise <= AS_GOOD),
+            points,
+            noise,
+        )
     }
 
     /// Noise of the residuals from a curve, and Huber's weights of the points.
-    fn weigh(
-        &self,
-        curve: &Curve,
-        unknowns: &[f64; NUISANCES],
-        fit: Option<&Fit>,
-        points: &mut [Point],
-    ) -> Noise {
+    fn weigh(&self, curve: &Curve, unknowns: &[f64; NUISANCES], fit: Option<&Fit>, points: &mut [Point]) -> Noise {
         if points.is_empty() {
             return Noise::default();
         }
         let half_width = self.measurement.setup.half_width_um;
-        let given = self.measurement.contour.and_then(|contour| contour.noise_um).map(|noise| noise / half_width);
+        let given = self
+            .measurement
+            .contour
+            .and_then(|contour| contour.noise_um)
+            .map(|noise| noise / half_width);
         let data = self.data(&[], 1.0);
         for point in &mut *points {
             let left = data.left(curve, point.place, unknowns);
@@ -360,7 +380,12 @@ impl Solver<'_, '_, '_, '_> {
         }
         // The median of the residuals' sizes by halving, for which they need no order.
         let count = points.len() as f64;
-        let (mut low, mut high) = (0.0, points.iter().fold(0.0_f64, |most, point| most.max(point.residual.abs())));
+        let (mut low, mut high) = (
+            0.0,
+            points
+                .iter()
+                .fold(0.0_f64, |most, point| most.max(point.residual.abs())),
+        );
         for _ in 0..20 {
             let middle = 0.5 * (low + high);
             let below = points.iter().filter(|point| point.residual.abs() < middle).count() as f64;
@@ -419,15 +444,29 @@ impl Solver<'_, '_, '_, '_> {
         };
         // Student's quantiles for a noise that is an estimate itself.
         let freedom = noise.freedom.max(3.0);
-        let known = points.is_empty() || self.measurement.contour.is_some_and(|contour| contour.noise_um.is_some());
-        let quantiles = QUANTILES.map(|z| if known { z } else { z * (1.0 + (z * z + 1.0) / (4.0 * freedom)) });
+        let known = points.is_empty()
+            || self
+                .measurement
+                .contour
+                .is_some_and(|contour| contour.noise_um.is_some());
+        let quantiles = QUANTILES.map(|z| {
+            if known {
+                z
+            } else {
+                z * (1.0 + (z * z + 1.0) / (4.0 * freedom))
+            }
+        });
         let mut profile = Profile {
             data,
             fit: &fit,
             sum: Fitter::profiled(&data, &fit.shape, &fit.unknowns).map_or(fit.sum, |(sum, _)| sum),
             local: None,
         };
-        if let Some(steps) = fit.reduced.covariance().and_then(|covariance| local_steps(&covariance, quantiles)) {
+        if let Some(steps) = fit
+            .reduced
+            .covariance()
+            .and_then(|covariance| local_steps(&covariance, quantiles))
+        {
             profile.local = self.fitter.local(&data, &fit, steps)?;
         }
         let ratio = fit.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
@@ -484,7 +523,10 @@ impl Solver<'_, '_, '_, '_> {
             frame: Frame {
                 direction,
                 half_width_um: half_width,
-                middle: self.measurement.contour.map_or([0.0; 2], |contour| contour.framed(direction, half_width).middle),
+                middle: self
+                    .measurement
+                    .contour
+                    .map_or([0.0; 2], |contour| contour.framed(direction, half_width).middle),
                 shift: [fit.unknowns[SHIFT], fit.unknowns[SHIFT + 1]],
                 tilt: fit.unknowns[TILT],
                 scale_error: fit.unknowns[SCALE],
@@ -564,7 +606,9 @@ fn local_steps(covariance: &[[f64; 2]; 2], quantiles: [f64; 2]) -> Option<[f64; 
 /// How many unknowns the points determine, each as far as they do.
 fn fitted(fit: &Fit) -> f64 {
     let own = Factor::new(&fit.others).map_or(0.0, |factor| {
-        (0..NUISANCES).map(|i| 1.0 - fit.priors[i] * factor.inverse_column(i)[i]).sum()
+        (0..NUISANCES)
+            .map(|i| 1.0 - fit.priors[i] * factor.inverse_column(i)[i])
+            .sum()
     });
     2.0 + own
 }
@@ -574,7 +618,11 @@ fn fitted(fit: &Fit) -> f64 {
 fn together(points: &[Point]) -> f64 {
     const LAGS: usize = 30;
     let n = points.len();
-    let weighted = |i: usize| points.get(i % n.max(1)).map_or(0.0, |point| point.weight * point.residual);
+    let weighted = |i: usize| {
+        points
+            .get(i % n.max(1))
+            .map_or(0.0, |point| point.weight * point.residual)
+    };
     let square: f64 = (0..n).map(|i| weighted(i) * weighted(i)).sum();
     let chance = 2.0 / libm::sqrt(n as f64);
     let mut together = 1.0;

@@ -34,8 +34,14 @@ const CHANNEL_UM: f64 = 25.0;
 
 /// A closed contour in um along a shape, in image coordinates, and with noise from a generator.
 fn contour(shape: &Shape, count: usize, noise: f64, mut normal: impl FnMut() -> f64) -> Vec<[f64; 2]> {
-    let fine: Vec<[f64; 2]> = (0..=4000).map(|i| shape.curve.position(f64::from(i) / 4000.0)).collect();
-    let closed: Vec<[f64; 2]> = fine.iter().copied().chain(fine.iter().rev().skip(1).map(|[x, y]| [*x, -y])).collect();
+    let fine: Vec<[f64; 2]> = (0..=4000)
+        .map(|i| shape.curve.position(f64::from(i) / 4000.0))
+        .collect();
+    let closed: Vec<[f64; 2]> = fine
+        .iter()
+        .copied()
+        .chain(fine.iter().rev().skip(1).map(|[x, y]| [*x, -y]))
+        .collect();
     let mut way = vec![0.0];
     for pair in closed.windows(2) {
         way.push(way[way.len() - 1] + (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]));
@@ -89,8 +95,14 @@ fn measurement(points: &[[f64; 2]]) -> Measurement<'_> {
     }
 }
 
-const TRUTHS: [[f64; 2]; 6] =
-    [[0.1, 0.9], [0.03, 1.1], [0.02, 0.78], [0.008, 0.95], [0.15, 0.8], [0.05, 1.15]];
+const TRUTHS: [[f64; 2]; 6] = [
+    [0.1, 0.9],
+    [0.03, 1.1],
+    [0.02, 0.78],
+    [0.008, 0.95],
+    [0.15, 0.8],
+    [0.05, 1.15],
+];
 
 /// Identifies outlines of the model with some noise, in l, and hands over what was found.
 fn each(
@@ -118,45 +130,63 @@ fn each(
 #[test]
 fn an_outline_of_the_model_gives_its_parameters() {
     for (observable, ca, radius) in [(Observable::Midplane, 1e-3, 1e-4), (Observable::Silhouette, 4e-3, 4e-4)] {
-        each(observable, 0.0, |_| {}, |truth, found| {
-            let errors = [
-                (found.capillary_number.value / truth[0] - 1.0).abs(),
-                (found.confinement.value / truth[1] - 1.0).abs(),
-            ];
-            assert!(errors[0] < ca && errors[1] < radius, "{observable:?} {truth:?}: {errors:?}");
-            assert!((found.radius_um.value - CHANNEL_UM * found.confinement.value).abs() < 1e-9);
-            // G_s = mu V / Ca.
-            let modulus = 0.8 * 5e-3 / found.capillary_number.value;
-            assert!((found.shear_modulus_n_per_m.value / modulus - 1.0).abs() < 1e-12);
-        });
+        each(
+            observable,
+            0.0,
+            |_| {},
+            |truth, found| {
+                let errors = [
+                    (found.capillary_number.value / truth[0] - 1.0).abs(),
+                    (found.confinement.value / truth[1] - 1.0).abs(),
+                ];
+                assert!(
+                    errors[0] < ca && errors[1] < radius,
+                    "{observable:?} {truth:?}: {errors:?}"
+                );
+                assert!((found.radius_um.value - CHANNEL_UM * found.confinement.value).abs() < 1e-9);
+                // G_s = mu V / Ca.
+                let modulus = 0.8 * 5e-3 / found.capillary_number.value;
+                assert!((found.shear_modulus_n_per_m.value / modulus - 1.0).abs() < 1e-12);
+            },
+        );
     }
 }
 
 #[test]
 fn noise_is_found_and_intervals_hold() {
     let (mut held, mut asked) = (0, 0);
-    each(Observable::Midplane, 1e-3, |_| {}, |truth, found| {
-        assert!((found.noise_um / CHANNEL_UM - 1e-3).abs() < 1e-4, "{}", found.noise_um);
-        for (estimate, truth) in [(found.capillary_number, truth[0]), (found.confinement, truth[1])] {
-            held += usize::from(estimate.interval_95.contains(truth));
-            asked += 1;
-            let [narrow, wide] = [estimate.interval_68, estimate.interval_95];
-            assert!(wide.low <= narrow.low && narrow.low <= estimate.value);
-            assert!(estimate.value <= narrow.high && narrow.high <= wide.high);
-        }
-        assert_eq!(found.verdict, Verdict::Identified, "{truth:?}");
-    });
+    each(
+        Observable::Midplane,
+        1e-3,
+        |_| {},
+        |truth, found| {
+            assert!((found.noise_um / CHANNEL_UM - 1e-3).abs() < 1e-4, "{}", found.noise_um);
+            for (estimate, truth) in [(found.capillary_number, truth[0]), (found.confinement, truth[1])] {
+                held += usize::from(estimate.interval_95.contains(truth));
+                asked += 1;
+                let [narrow, wide] = [estimate.interval_68, estimate.interval_95];
+                assert!(wide.low <= narrow.low && narrow.low <= estimate.value);
+                assert!(estimate.value <= narrow.high && narrow.high <= wide.high);
+            }
+            assert_eq!(found.verdict, Verdict::Identified, "{truth:?}");
+        },
+    );
     assert!(held + 2 >= asked, "{held} of {asked}");
 }
 
 #[test]
 fn intervals_near_the_best_value_are_those_of_the_curvature() {
-    each(Observable::Midplane, 2e-4, |m| m.contour.as_mut().unwrap().noise_um = Some(2e-4 * CHANNEL_UM), |_, found| {
-        let Interval { low, high, .. } = found.capillary_number.interval_95;
-        let half = 0.5 * (high / low).ln();
-        let expected = 1.96 * found.deviations[0];
-        assert!((half / expected - 1.0).abs() < 0.05, "{half} {expected}");
-    });
+    each(
+        Observable::Midplane,
+        2e-4,
+        |m| m.contour.as_mut().unwrap().noise_um = Some(2e-4 * CHANNEL_UM),
+        |_, found| {
+            let Interval { low, high, .. } = found.capillary_number.interval_95;
+            let half = 0.5 * (high / low).ln();
+            let expected = 1.96 * found.deviations[0];
+            assert!((half / expected - 1.0).abs() < 0.05, "{half} {expected}");
+        },
+    );
 }
 
 #[test]
@@ -186,7 +216,10 @@ fn the_direction_of_the_flow_is_found() {
         // The model's outline lies on the contour.
         for share in [0.0, 0.3, 0.8] {
             let [x, y] = found.frame.place_um(shape.curve.position(share));
-            let nearest = points.iter().map(|p| (p[0] - x).hypot(p[1] - y)).fold(f64::INFINITY, f64::min);
+            let nearest = points
+                .iter()
+                .map(|p| (p[0] - x).hypot(p[1] - y))
+                .fold(f64::INFINITY, f64::min);
             assert!(nearest < 0.3, "{direction:?} {share}: {nearest}");
         }
     }
@@ -211,7 +244,12 @@ fn an_edge_that_is_drawn_too_far_out_does_not_move_the_answer_much() {
     };
     let (fitted, ignored) = (found(0.0625), found(0.0));
     let error = |found: &Identification| (found.capillary_number.value / 0.08 - 1.0).abs();
-    assert!(error(&fitted) < 2e-3 && error(&ignored) > 4e-3, "{} {}", error(&fitted), error(&ignored));
+    assert!(
+        error(&fitted) < 2e-3 && error(&ignored) > 4e-3,
+        "{} {}",
+        error(&fitted),
+        error(&ignored)
+    );
     assert!((fitted.edge_um - out * CHANNEL_UM).abs() < 0.01, "{}", fitted.edge_um);
 }
 
@@ -250,17 +288,25 @@ fn three_lengths_are_enough() {
 
 #[test]
 fn the_capsule_s_velocity_tells_that_of_the_flow() {
-    each(Observable::Midplane, 1e-3, |m| m.setup.flow = Flow::CapsuleVelocity(7e-3), |truth, found| {
-        let model = Model::open(FILE).unwrap();
-        let mut bench = Bench::new(&model);
-        let mut shapes = bench.shapes(&model, Observable::Midplane);
-        let ratio = shapes.at([truth[0].ln(), truth[1]]).unwrap().scalars[VELOCITY];
-        assert!((found.mean_velocity_m_s * ratio / 7e-3 - 1.0).abs() < 2e-3);
-        let modulus = 0.8 * 7e-3 / ratio / truth[0];
-        let Interval { low, high, .. } = found.shear_modulus_n_per_m.interval_95;
-        let margin = 0.5 * (high - low);
-        assert!(low - margin < modulus && modulus < high + margin, "{low} {modulus} {high}");
-    });
+    each(
+        Observable::Midplane,
+        1e-3,
+        |m| m.setup.flow = Flow::CapsuleVelocity(7e-3),
+        |truth, found| {
+            let model = Model::open(FILE).unwrap();
+            let mut bench = Bench::new(&model);
+            let mut shapes = bench.shapes(&model, Observable::Midplane);
+            let ratio = shapes.at([truth[0].ln(), truth[1]]).unwrap().scalars[VELOCITY];
+            assert!((found.mean_velocity_m_s * ratio / 7e-3 - 1.0).abs() < 2e-3);
+            let modulus = 0.8 * 7e-3 / ratio / truth[0];
+            let Interval { low, high, .. } = found.shear_modulus_n_per_m.interval_95;
+            let margin = 0.5 * (high - low);
+            assert!(
+                low - margin < modulus && modulus < high + margin,
+                "{low} {modulus} {high}"
+            );
+        },
+    );
 }
 
 #[test]
@@ -306,11 +352,19 @@ fn bad_contours_are_named() {
     };
     let circle = |count: usize, radius: f64, share: f64| -> Vec<[f64; 2]> {
         let angle = |i: usize| std::f64::consts::TAU * share * i as f64 / count as f64;
-        (0..count).map(|i| [radius * angle(i).cos(), radius * angle(i).sin()]).collect()
+        (0..count)
+            .map(|i| [radius * angle(i).cos(), radius * angle(i).sin()])
+            .collect()
     };
     assert_eq!(error(&circle(11, 20.0, 1.0)), ContourError::TooFewPoints { found: 11 });
-    assert!(matches!(error(&circle(101, 20.0, 1.0)), ContourError::TooManyPoints { found: 101, room: 100 }));
-    assert!(matches!(error(&circle(90, 27.0, 1.0)), ContourError::WiderThanChannel { .. }));
+    assert!(matches!(
+        error(&circle(101, 20.0, 1.0)),
+        ContourError::TooManyPoints { found: 101, room: 100 }
+    ));
+    assert!(matches!(
+        error(&circle(90, 27.0, 1.0)),
+        ContourError::WiderThanChannel { .. }
+    ));
     assert!(matches!(error(&circle(90, 20.0, 0.5)), ContourError::Open { .. }));
     let mut points = circle(90, 20.0, 1.0);
     points[7][1] = f64::NAN;
@@ -322,6 +376,8 @@ fn bad_contours_are_named() {
         })
         .collect();
     assert!(matches!(error(&eight), ContourError::SelfCrossing { .. }));
-    let line: Vec<[f64; 2]> = (0..40).map(|i| [if i < 20 { f64::from(i) } else { f64::from(40 - i) }, 1e-4]).collect();
+    let line: Vec<[f64; 2]> = (0..40)
+        .map(|i| [if i < 20 { f64::from(i) } else { f64::from(40 - i) }, 1e-4])
+        .collect();
     assert_eq!(error(&line), ContourError::NoArea);
 }

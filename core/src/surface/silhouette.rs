@@ -51,9 +51,11 @@ pub fn silhouette<T: Real>(
     }
     let normals = room(normals, mesh.sector_nodes().len())?;
     fill_normals(mesh, positions, normals);
-    let extent = positions.iter().fold([positions[0][0]; 2], |[least, greatest], [x, ..]| {
-        [least.min(*x), greatest.max(*x)]
-    });
+    let extent = positions
+        .iter()
+        .fold([positions[0][0]; 2], |[least, greatest], [x, ..]| {
+            [least.min(*x), greatest.max(*x)]
+        });
     let middle = T::from_f32(0.5) * (extent[0] + extent[1]);
     let mut rays = Rays::new(middle, out);
     let view = View { across };
@@ -139,13 +141,7 @@ impl<T: Real> View<T> {
     }
 
     /// The place on an edge between two nodes of an element where the surface turns away.
-    fn point(
-        &self,
-        [a, b]: [usize; 2],
-        nodes: &[([T; 3], [T; 3]); 6],
-        facing: &[T; 6],
-        flat: bool,
-    ) -> Rim<T> {
+    fn point(&self, [a, b]: [usize; 2], nodes: &[([T; 3], [T; 3]); 6], facing: &[T; 6], flat: bool) -> Rim<T> {
         let share = facing[a] / (facing[a] - facing[b]);
         let between = |from: T, to: T| from + share * (to - from);
         let [from, to] = [a, b].map(|node| PLACES[node].map(T::from_f32));

@@ -150,8 +150,15 @@ pub fn run(options: &Options) -> Result<()> {
     let mut pixel = options.pixel_um;
     let points = match &contour {
         Some(contour) => {
-            let (points, known) = identify_contour::in_um(contour, options.unit, options.pixel_um)
-                .with_context(|| options.contour.as_deref().unwrap_or(Path::new("")).display().to_string())?;
+            let (points, known) =
+                identify_contour::in_um(contour, options.unit, options.pixel_um).with_context(|| {
+                    options
+                        .contour
+                        .as_deref()
+                        .unwrap_or(Path::new(""))
+                        .display()
+                        .to_string()
+                })?;
             pixel = known;
             points
         }
@@ -179,14 +186,24 @@ pub fn run(options: &Options) -> Result<()> {
         },
     };
     if let Some(contour) = &measurement.contour {
-        ensure!(points.len() <= MOST_POINTS, "{} points: at most {MOST_POINTS} are taken", points.len());
+        ensure!(
+            points.len() <= MOST_POINTS,
+            "{} points: at most {MOST_POINTS} are taken",
+            points.len()
+        );
         contour.crossing()?;
     }
     let mut bench = Bench::new(&model, points.len());
     let (mut shapes, room) = bench.shapes(&model, options.observable());
     let grid = Grid::new(&mut shapes)?;
     let found = identify(&mut shapes, &grid, &measurement, room)?;
-    let answer = Answer::new(&model, options, &found, pixel_um, contour.as_ref().map(|contour| &*contour.format));
+    let answer = Answer::new(
+        &model,
+        options,
+        &found,
+        pixel_um,
+        contour.as_ref().map(|contour| &*contour.format),
+    );
     if let Some(file) = &options.plot {
         let theta = [found.capillary_number.value.ln(), found.confinement.value];
         let shape = shapes.at(theta)?;
@@ -206,7 +223,10 @@ pub fn run(options: &Options) -> Result<()> {
 /// Half the side of a square that two sides are taken for.
 fn half_width(sides: &[f64]) -> Result<f64> {
     for side in sides {
-        ensure!(side.is_finite() && *side > 0.0, "--half-width-um {side}: it must be a positive number");
+        ensure!(
+            side.is_finite() && *side > 0.0,
+            "--half-width-um {side}: it must be a positive number"
+        );
     }
     match *sides {
         [side] => Ok(side),
@@ -305,17 +325,16 @@ impl Bench {
         }
     }
 
-    fn shapes<'a, 'w>(
-        &'w mut self,
-        model: &'a Model<'a>,
-        observable: Observable,
-    ) -> (Shapes<'a, 'w>, &'w mut [Point]) {
+    fn shapes<'a, 'w>(&'w mut self, model: &'a Model<'a>, observable: Observable) -> (Shapes<'a, 'w>, &'w mut [Point]) {
         let memory = Memory {
             workspace: &mut self.workspace,
             positions: &mut self.positions,
             normals: &mut self.normals,
         };
-        (Shapes::new(model, memory, observable, model.end_time()), &mut self.points)
+        (
+            Shapes::new(model, memory, observable, model.end_time()),
+            &mut self.points,
+        )
     }
 }
 
@@ -373,13 +392,7 @@ struct Other {
 }
 
 impl Answer {
-    fn new(
-        model: &Model<'_>,
-        options: &Options,
-        found: &Identification,
-        pixel_um: f64,
-        contour: Option<&str>,
-    ) -> Self {
+    fn new(model: &Model<'_>, options: &Options, found: &Identification, pixel_um: f64, contour: Option<&str>) -> Self {
         let three = |estimate: Estimate| (estimate.value, ends(estimate.interval_68), ends(estimate.interval_95));
         let (ca, ca_68, ca_95) = three(found.capillary_number);
         let (confinement, confinement_68, confinement_95) = three(found.confinement);
@@ -440,7 +453,12 @@ impl Answer {
         let row = |name: &str, value: f64, narrow: Ends, wide: Ends, digits: usize| {
             let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| format!("{end:.digits$}"));
             let interval = |[low, high]: Ends| format!("{} to {}", end(low), end(high));
-            vec![name.to_owned(), format!("{value:.digits$}"), interval(narrow), interval(wide)]
+            vec![
+                name.to_owned(),
+                format!("{value:.digits$}"),
+                interval(narrow),
+                interval(wide),
+            ]
         };
         let milli = |ends: Ends| ends.map(|end| end.map(|end| 1e3 * end));
         print::table(
@@ -483,7 +501,12 @@ impl Answer {
 /// The contour and the fitted outline, and beside them the residuals along the contour.
 fn figure(found: &Identification, points: &[[f64; 2]], curve: &[[f64; 2]], half_width_um: f64) -> Figure {
     let mirrored = curve.iter().rev().map(|[x, y]| [*x, -y]);
-    let closed: Vec<[f64; 2]> = curve.iter().copied().chain(mirrored).map(|p| found.frame.place_um(p)).collect();
+    let closed: Vec<[f64; 2]> = curve
+        .iter()
+        .copied()
+        .chain(mirrored)
+        .map(|p| found.frame.place_um(p))
+        .collect();
     let pair = |[x, y]: [f64; 2]| (x, y);
     let residual = |[x, y]: [f64; 2]| {
         let nearest = closed.windows(2).map(|ends| {
@@ -493,7 +516,10 @@ fn figure(found: &Identification, points: &[[f64; 2]], curve: &[[f64; 2]], half_
             let distance = (x - p - share * u).hypot(y - q - share * v);
             (distance, (x - p) * v - (y - q) * u)
         });
-        let (distance, side) = nearest.fold((f64::INFINITY, 0.0), |best, next| if next.0 < best.0 { next } else { best });
+        let (distance, side) = nearest.fold(
+            (f64::INFINITY, 0.0),
+            |best, next| if next.0 < best.0 { next } else { best },
+        );
         distance * if side < 0.0 { -1.0 } else { 1.0 }
     };
     let title = format!(
@@ -506,8 +532,16 @@ fn figure(found: &Identification, points: &[[f64; 2]], curve: &[[f64; 2]], half_
         .same_scale()
         .with(Curve::points("contour", points.iter().copied().map(pair).collect()))
         .with(Curve::line("model", closed.iter().copied().map(pair).collect()));
-    let along = points.iter().enumerate().map(|(i, point)| (i as f64, residual(*point))).collect();
-    let residuals = Lines::new("Distance from the model", Axis::linear("point"), Axis::linear("residual / um"))
-        .with(Curve::points("", along));
+    let along = points
+        .iter()
+        .enumerate()
+        .map(|(i, point)| (i as f64, residual(*point)))
+        .collect();
+    let residuals = Lines::new(
+        "Distance from the model",
+        Axis::linear("point"),
+        Axis::linear("residual / um"),
+    )
+    .with(Curve::points("", along));
     Figure::new(vec![Panel::Lines(outline), Panel::Lines(residuals)])
 }

@@ -84,7 +84,10 @@ impl Separator {
             Self::Comma => line.split(',').collect(),
             Self::Spaces => line.split_whitespace().collect(),
         };
-        cells.into_iter().map(|cell| cell.trim().trim_matches('"').trim()).collect()
+        cells
+            .into_iter()
+            .map(|cell| cell.trim().trim_matches('"').trim())
+            .collect()
     }
 
     fn number(self, cell: &str) -> Option<f64> {
@@ -109,7 +112,8 @@ fn parse(text: &str) -> Result<ContourFile> {
         cells.iter().filter(|cell| separator.number(cell).is_some()).count()
     };
     let first = lines.iter().position(|(_, line)| numbers(line) >= 2);
-    let first = first.context("it holds no line with two numbers: expected the points' coordinates, one point a line")?;
+    let first =
+        first.context("it holds no line with two numbers: expected the points' coordinates, one point a line")?;
     let separator = Separator::of(lines[first].1);
     let headings = first.checked_sub(1).map(|above| separator.cells(lines[above].1));
     let rows: Vec<(usize, Vec<&str>)> = lines[first..]
@@ -211,7 +215,9 @@ pub fn in_um(
     }
     let unit = given.or(contour.unit).or(pixel_um.map(|_| Unit::Px));
     match (unit, pixel_um) {
-        (None, _) => bail!("the unit of its numbers is not known: give --unit um, or --pixel-um with the size of a pixel"),
+        (None, _) => {
+            bail!("the unit of its numbers is not known: give --unit um, or --pixel-um with the size of a pixel")
+        }
         (Some(Unit::Px), None) => bail!("it is in pixels: give --pixel-um with the size of a pixel"),
         (Some(Unit::Um), pixel) => Ok((contour.points.clone(), pixel)),
         (Some(Unit::Px), Some(pixel)) => {
@@ -253,12 +259,19 @@ mod tests {
     #[test]
     fn marks_and_code_pages() {
         let text = "X [\u{b5}m]\tY [\u{b5}m]\n1\t2\n3\t4\n";
-        let wide: Vec<u8> = [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+        let wide: Vec<u8> = [0xfeff]
+            .into_iter()
+            .chain(text.encode_utf16())
+            .flat_map(u16::to_le_bytes)
+            .collect();
         let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
         let marked = [&[0xef, 0xbb, 0xbf], text.as_bytes()].concat();
         for bytes in [wide, latin, marked, text.as_bytes().to_vec()] {
             let contour = parse(&decode(&bytes)).unwrap();
-            assert_eq!((contour.points, contour.unit), (vec![[1.0, 2.0], [3.0, 4.0]], Some(Unit::Um)));
+            assert_eq!(
+                (contour.points, contour.unit),
+                (vec![[1.0, 2.0], [3.0, 4.0]], Some(Unit::Um))
+            );
         }
     }
 

@@ -83,7 +83,17 @@ pub fn run(options: &Options) -> Result<()> {
         })
         .collect();
     let headings = [
-        "outline", "series", "trials", "Ca", "away", "a", "away", "held 95 %", "spread", "lost", "ms",
+        "outline",
+        "series",
+        "trials",
+        "Ca",
+        "away",
+        "a",
+        "away",
+        "held 95 %",
+        "spread",
+        "lost",
+        "ms",
     ];
     print::table(&headings, &rows)?;
     for series in &all {

@@ -107,7 +107,9 @@ pub fn identify(
             for _ in 0..if plan.noise > 0.0 { repeats } else { 1 } {
                 for truth in &truths {
                     let trial = match plan.from {
-                        From::Lengths => by_lengths(&mut shapes, &grid, truth, plan.noise * plan.drawing(0.0).pixel_um()),
+                        From::Lengths => {
+                            by_lengths(&mut shapes, &grid, truth, plan.noise * plan.drawing(0.0).pixel_um())
+                        }
                         From::FullOrder | From::Own => {
                             let mut drawing = plan.drawing(plan.noise);
                             if plan.unknown_frame {
@@ -118,7 +120,9 @@ pub fn identify(
                             let [ca, confinement] = truth.parameters;
                             let outline = if plan.from == From::Own {
                                 let shape = shapes.at([ca.ln(), confinement])?;
-                                (0..=2000).map(|i| shape.curve.position(f64::from(i) / 2000.0)).collect()
+                                (0..=2000)
+                                    .map(|i| shape.curve.position(f64::from(i) / 2000.0))
+                                    .collect()
                             } else {
                                 truth.outline.clone()
                             };
@@ -217,7 +221,9 @@ impl Series {
         let border = capsule_core::model::Curve::new(&model.contents().border);
         let away = |trial: &&Trial| {
             let [ca, confinement] = trial.truth;
-            border.at(confinement).is_none_or(|border| (ca / border - 1.0).abs() > BESIDE && ca > border)
+            border
+                .at(confinement)
+                .is_none_or(|border| (ca / border - 1.0).abs() > BESIDE && ca > border)
         };
         let errors = |trials: &mut dyn Iterator<Item = &Trial>, d: usize| {
             let values: Vec<f64> = trials.map(|trial| 100.0 * trial.errors()[d].abs()).collect();

@@ -41,7 +41,10 @@ impl Bench {
             positions: &mut self.positions,
             normals: &mut self.normals,
         };
-        (Shapes::new(model, memory, observable, model.end_time()), &mut self.points)
+        (
+            Shapes::new(model, memory, observable, model.end_time()),
+            &mut self.points,
+        )
     }
 }
 
@@ -65,14 +68,21 @@ impl Trial {
     /// Relative errors of Ca and a.
     pub(crate) fn errors(&self) -> [f64; 2] {
         let [ca, confinement] = self.truth;
-        [self.found.capillary_number.value / ca - 1.0, self.found.confinement.value / confinement - 1.0]
+        [
+            self.found.capillary_number.value / ca - 1.0,
+            self.found.confinement.value / confinement - 1.0,
+        ]
     }
 
     /// Whether the intervals of 68 and 95 % hold the true Ca and a.
     pub(crate) fn holds(&self) -> [[bool; 2]; 2] {
         let [ca, confinement] = self.truth;
-        [(self.found.capillary_number, ca), (self.found.confinement, confinement)]
-            .map(|(estimate, truth)| [estimate.interval_68.contains(truth), estimate.interval_95.contains(truth)])
+        [(self.found.capillary_number, ca), (self.found.confinement, confinement)].map(|(estimate, truth)| {
+            [
+                estimate.interval_68.contains(truth),
+                estimate.interval_95.contains(truth),
+            ]
+        })
     }
 }
 

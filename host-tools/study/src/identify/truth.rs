@@ -31,7 +31,12 @@ impl Truth {
         for entry in database.entries()? {
             let inside = Parameters::new(&entry.parameters).map(|p| model.domain(p)) == Some(Ok(Domain::Inside));
             if inside && entry.status.is_steady() {
-                all.push(Self::new(model, database, &database.read(&entry.parameters)?, observable)?);
+                all.push(Self::new(
+                    model,
+                    database,
+                    &database.read(&entry.parameters)?,
+                    observable,
+                )?);
             }
         }
         Ok(all)
@@ -72,9 +77,13 @@ impl Truth {
 /// The nodes of the section z = 0 with y >= 0, front to rear, by their places on the unit sphere.
 fn section(nodes: &[[f64; 3]], positions: &[[f64; 3]]) -> Vec<[f64; 2]> {
     const ON: f64 = 1e-9;
-    let mut own: Vec<usize> = (0..nodes.len()).filter(|&n| nodes[n][2].abs() < ON && nodes[n][1] > -ON).collect();
+    let mut own: Vec<usize> = (0..nodes.len())
+        .filter(|&n| nodes[n][2].abs() < ON && nodes[n][1] > -ON)
+        .collect();
     own.sort_by(|&a, &b| nodes[b][0].total_cmp(&nodes[a][0]));
-    own.into_iter().map(|n| [positions[n][0], positions[n][1].max(0.0)]).collect()
+    own.into_iter()
+        .map(|n| [positions[n][0], positions[n][1].max(0.0)])
+        .collect()
 }
 
 /// The outline between the nodes: x is even and y odd about both poles, so a sum of cosines and one of sines, through
@@ -85,7 +94,9 @@ fn smooth(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let angle = |i: usize, k: usize, of: usize| std::f64::consts::PI * (i * k) as f64 / of as f64;
     let ends = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
     let cosine = |k: usize| -> f64 {
-        let sum = (0..=n).map(|i| ends(i) * points[i][0] * angle(i, k, n).cos()).sum::<f64>();
+        let sum = (0..=n)
+            .map(|i| ends(i) * points[i][0] * angle(i, k, n).cos())
+            .sum::<f64>();
         ends(k) * 2.0 / n as f64 * sum
     };
     let sine = |k: usize| -> f64 { 2.0 / n as f64 * (1..n).map(|i| points[i][1] * angle(i, k, n).sin()).sum::<f64>() };
@@ -157,7 +168,10 @@ pub(crate) fn contour(outline: &[[f64; 2]], drawing: &Drawing, random: &mut Rand
             let [x, y] = [p[0] + share * tx + out * ty, p[1] + share * ty - out * tx];
             let (cos, sin) = (drawing.tilt.cos(), drawing.tilt.sin());
             let factor = HALF_WIDTH_UM / (1.0 + drawing.scale);
-            [place[0] + factor * (cos * x - sin * y), place[1] + factor * (cos * y + sin * x)]
+            [
+                place[0] + factor * (cos * x - sin * y),
+                place[1] + factor * (cos * y + sin * x),
+            ]
         })
         .collect()
 }
