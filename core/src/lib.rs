@@ -66,6 +66,7 @@ pub use instant::Instant;
 pub use scene::{Frame, Nodes, Scene};
 pub use surface::observables::Observables;
 pub use surface::section::{Segment, section};
+pub use surface::silhouette::silhouette;
 // Errors.
 pub use error::EvaluateError;
 #[cfg(feature = "write")]

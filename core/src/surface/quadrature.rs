@@ -29,7 +29,7 @@ pub(crate) struct Point<T> {
 }
 
 impl<T: Real> Point<T> {
-    fn new(weight: f64, [l0, l1, l2]: [T; 3]) -> Self {
+    pub(crate) fn new(weight: f64, [l0, l1, l2]: [T; 3]) -> Self {
         let [one, two, four] = [T::ONE, T::from_f32(2.0), T::from_f32(4.0)];
         Self {
             weight: T::from_f64(weight),
@@ -63,7 +63,7 @@ impl<T: Real> Point<T> {
     }
 
     /// The point with the shape functions of a flat triangle.
-    fn flat(self) -> Self {
+    pub(crate) fn flat(self) -> Self {
         let [zero, one] = [T::ZERO, T::ONE];
         let [a, b, c, ab, bc, ca] = self.shape;
         let half = T::from_f32(0.5);

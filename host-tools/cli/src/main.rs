@@ -9,6 +9,8 @@ mod fom_limit;
 mod fom_run;
 mod fom_shear;
 mod fom_validate;
+mod identify;
+mod identify_contour;
 mod interrupt;
 mod membrane;
 mod model;
@@ -24,6 +26,7 @@ mod record;
 mod solver_options;
 mod source;
 mod study_bending;
+mod study_identify;
 mod study_leave_one_out;
 mod study_report;
 mod study_scenes;
@@ -71,6 +74,8 @@ enum Command {
     Offline(Offline),
     /// Predict a capsule's motion with the reduced-order model
     Predict(predict::Options),
+    /// Membrane properties from an outline of a capsule, or from a few lengths
+    Identify(Box<identify::Options>),
     /// Accuracy and speed of the reduced-order model
     #[command(subcommand)]
     Study(Study),
@@ -126,6 +131,8 @@ enum Study {
     Suggest(study_suggest::Options),
     /// Smoothness of the samples of a database along its rows: a lower limit of the model's error
     Smoothness(study_smoothness::Options),
+    /// How well capsules are identified from their outlines: errors, coverage, spread, time
+    Identify(study_identify::Options),
     /// Time of a query, a trajectory, a surface, an outline
     Speed(study_speed::Options),
     /// Cost of an outline, a section, a surface, velocities, tensions: operations, bytes, time
@@ -150,9 +157,11 @@ fn main() -> ExitCode {
         Command::Database(Data::Merge(options)) => database_merge::run(&options),
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
+        Command::Identify(options) => identify::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
         Command::Study(Study::TestSet(options)) => study_test_set::run(&options),
         Command::Study(Study::Bending(options)) => study_bending::run(&options),
+        Command::Study(Study::Identify(options)) => study_identify::run(&options),
         Command::Study(Study::Suggest(options)) => study_suggest::run(&options),
         Command::Study(Study::Smoothness(options)) => study_smoothness::run(&options),
         Command::Study(Study::Scenes(options)) => study_scenes::run(&options),

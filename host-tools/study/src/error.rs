@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use capsule_core::{EncodeError, EvaluateError, OpenError};
 use capsule_database::DatabaseError;
+use capsule_identify::IdentifyError;
 use capsule_offline::OfflineError;
 use capsule_plot::PlotError;
 
@@ -20,6 +21,9 @@ pub enum StudyError {
     /// The model did not answer.
     #[error("the model cannot be evaluated: {0}")]
     Evaluate(EvaluateError),
+    /// A capsule was not identified.
+    #[error("a capsule cannot be identified: {0}")]
+    Identify(IdentifyError),
     /// The test set and the model have nothing in common.
     #[error("no configuration of the test set lies in the model's domain, with snapshots at the instants compared")]
     NothingToCompare,
@@ -62,6 +66,12 @@ pub enum StudyError {
 impl From<EvaluateError> for StudyError {
     fn from(error: EvaluateError) -> Self {
         StudyError::Evaluate(error)
+    }
+}
+
+impl From<IdentifyError> for StudyError {
+    fn from(error: IdentifyError) -> Self {
+        StudyError::Identify(error)
     }
 }
 

@@ -2,6 +2,7 @@
 //! the limits of its stability.
 
 mod error;
+pub mod identify;
 mod leave_one_out;
 mod random;
 mod report;

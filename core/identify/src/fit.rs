@@ -1,0 +1,270 @@
+//! Least squares within a part of the domain, by steps of Gauss and Newton that Levenberg's damping shortens.
+
+use crate::algebra::Factor;
+use crate::domain::{Domain, Side};
+use crate::residuals::{Data, NUISANCES, Normal};
+use crate::shapes::{Sensitivity, Shape, Shapes};
+use capsule_core::EvaluateError;
+
+/// The most steps.
+const STEPS: usize = 12;
+/// The most shorter steps that are tried in place of one.
+const TRIALS: usize = 6;
+/// A step that is shorter than this share of the standard deviations ends the fit.
+const CLOSE: f64 = 0.01;
+
+/// Where a fit has ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit {
+    pub(crate) side: Side,
+    /// [ln Ca, a/l].
+    pub(crate) theta: [f64; 2],
+    pub(crate) unknowns: [f64; NUISANCES],
+    /// The sum of squares.
+    pub(crate) sum: f64,
+    /// The sum, and what the unknowns beside the two cost: twice the negative logarithm of the likelihood that is left
+    /// when they are integrated over. By it fits with different bounds of the model are compared.
+    pub(crate) evidence: f64,
+    /// The model's bound that it counted with, in l.
+    pub(crate) bound: f64,
+    pub(crate) reduced: Reduced,
+    pub(crate) shape: Shape,
+    pub(crate) sensitivity: Sensitivity,
+    /// The normal equations of the unknowns beside the two, and what the priors are of their diagonal.
+    pub(crate) others: [[f64; NUISANCES]; NUISANCES],
+    pub(crate) priors: [f64; NUISANCES],
+    /// By how much the sum would fall if the fit could leave the domain, at whose edge it is; else about 0.
+    pub(crate) pressure: f64,
+}
+
+/// The normal equations of [ln Ca, a/l] alone, the others eliminated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reduced {
+    pub(crate) matrix: [[f64; 2]; 2],
+    gradient: [f64; 2],
+    /// Step of the others that goes with none of the two, and with one of each.
+    others: [[f64; NUISANCES]; 3],
+    sum: f64,
+}
+
+impl Reduced {
+    pub(crate) fn new(normal: &Normal) -> Option<Self> {
+        let matrix: [[f64; NUISANCES]; NUISANCES] =
+            core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
+        let factor = Factor::new(&matrix)?;
+        let column = |d: usize| -> [f64; NUISANCES] { core::array::from_fn(|i| -normal.matrix[2 + i][d]) };
+        let mut right = [0.0; NUISANCES];
+        right
+            .iter_mut()
+            .zip(&normal.gradient[2..])
+            .for_each(|(right, g)| *right = -g);
+        let others = [right, column(0), column(1)].map(|right| factor.solve(&right));
+        let along = |d: usize, step: &[f64; NUISANCES]| -> f64 {
+            (0..NUISANCES).map(|i| normal.matrix[2 + i][d] * step[i]).sum()
+        };
+        let matrix = [0, 1].map(|d| [0, 1].map(|e| normal.matrix[d][e] + along(d, &others[1 + e])));
+        Some(Self {
+            matrix,
+            gradient: [0, 1].map(|d| normal.gradient[d] + along(d, &others[0])),
+            sum: normal.sum
+                + normal.gradient[2..]
+                    .iter()
+                    .zip(&others[0])
+                    .map(|(g, step)| g * step)
+                    .sum::<f64>(),
+            others,
+        })
+    }
+
+    /// The others after a step of the two.
+    fn moved(&self, unknowns: &[f64; NUISANCES], [ca, confinement]: [f64; 2]) -> [f64; NUISANCES] {
+        let [none, by_ca, by_confinement] = &self.others;
+        core::array::from_fn(|i| unknowns[i] + none[i] + ca * by_ca[i] + confinement * by_confinement[i])
+    }
+
+    /// The covariance of the two; none where the data do not determine them.
+    pub(crate) fn covariance(&self) -> Option<[[f64; 2]; 2]> {
+        let [[a, b], [_, c]] = self.matrix;
+        let determinant = a * c - b * b;
+        (a > 0.0 && determinant > 1e-12 * a * c)
+            .then(|| [[c / determinant, -b / determinant], [-b / determinant, a / determinant]])
+    }
+
+    /// The damped step.
+    fn step(&self, damping: f64) -> [f64; 2] {
+        let [[a, b], [_, c]] = self.matrix;
+        let (a, c) = (
+            a * (1.0 + damping) + f64::MIN_POSITIVE,
+            c * (1.0 + damping) + f64::MIN_POSITIVE,
+        );
+        let [p, q] = self.gradient;
+        let determinant = a * c - b * b;
+        if determinant > 1e-14 * a * c {
+            [(b * q - c * p) / determinant, (b * p - a * q) / determinant]
+        } else {
+            [-p / a, 0.0]
+        }
+    }
+
+    /// The step along a direction alone.
+    fn step_along(&self, [x, y]: [f64; 2], damping: f64) -> [f64; 2] {
+        let [[a, b], [_, c]] = self.matrix;
+        let square = (1.0 + damping) * (a * x * x + 2.0 * b * x * y + c * y * y);
+        let share = -(self.gradient[0] * x + self.gradient[1] * y) / square.max(f64::MIN_POSITIVE);
+        [share * x, share * y]
+    }
+
+    /// By how much the sum would fall by the full step.
+    fn pressure(&self) -> f64 {
+        let [x, y] = self.step(0.0);
+        -(self.gradient[0] * x + self.gradient[1] * y)
+    }
+
+    /// A step's length in standard deviations.
+    fn length(&self, [x, y]: [f64; 2]) -> f64 {
+        let [[a, b], [_, c]] = self.matrix;
+        libm::sqrt((a * x * x + 2.0 * b * x * y + c * y * y).max(0.0))
+    }
+}
+
+/// The fit of a side, and what it works with.
+pub(crate) struct Fitter<'f, 'a, 'w> {
+    pub(crate) shapes: &'f mut Shapes<'a, 'w>,
+    pub(crate) domain: Domain<'a>,
+}
+
+impl Fitter<'_, '_, '_> {
+    /// Sum and unknowns with the best of them at a place: a step of Newton from given ones.
+    pub(crate) fn profiled(
+        data: &Data<'_>,
+        shape: &Shape,
+        unknowns: &[f64; NUISANCES],
+    ) -> Option<(f64, [f64; NUISANCES])> {
+        let reduced = Reduced::new(&data.normal(shape, None, unknowns))?;
+        Some((reduced.sum, reduced.moved(unknowns, [0.0; 2])))
+    }
+
+    pub(crate) fn sensitivity(
+        &mut self,
+        side: Side,
+        theta: [f64; 2],
+        shape: &Shape,
+    ) -> Result<Sensitivity, EvaluateError> {
+        let domain = self.domain;
+        let [least, greatest] = domain.confinements();
+        self.shapes.sensitivity(shape, |step| {
+            [-1.0, 1.0].map(|sign| {
+                let confinement = (theta[1] + sign * step[1]).clamp(least, greatest);
+                let ca = theta[0] + sign * step[0];
+                match domain.range(side, confinement) {
+                    // The other parameter stays, or the difference is none of this one.
+                    Some([low, high]) if step[1] == 0.0 || (low <= ca && ca <= high) => {
+                        [ca.clamp(low, high), confinement]
+                    }
+                    _ => theta,
+                }
+            })
+        })
+    }
+
+    /// A step that stays in the domain: at an edge along it.
+    fn step(&self, reduced: &Reduced, side: Side, theta: [f64; 2], damping: f64) -> [f64; 2] {
+        const AT: f64 = 1e-7;
+        let to = |step: [f64; 2]| self.domain.clamp(side, [theta[0] + step[0], theta[1] + step[1]], theta);
+        let step = reduced.step(damping);
+        let [low, high] = self.domain.confinements();
+        let wanted = [theta[0] + step[0], theta[1] + step[1]];
+        let at_end = |value: f64, wanted: f64, low: f64, high: f64| {
+            (value - low < AT && wanted < low) || (high - value < AT && wanted > high)
+        };
+        if at_end(theta[1], wanted[1], low, high) {
+            return to(reduced.step_along([1.0, 0.0], damping));
+        }
+        let range = self.domain.range(side, theta[1]);
+        let ahead = self.domain.range(side, wanted[1].clamp(low, high)).or(range);
+        if let (Some(range), Some(ahead)) = (range, ahead) {
+            for (end, sign) in [(0, -1.0), (1, 1.0)] {
+                if sign * (theta[0] - range[end]) > -AT && sign * (wanted[0] - ahead[end]) > 0.0 {
+                    const WAY: f64 = 0.002;
+                    let beside = (theta[1] + WAY).min(high);
+                    let back = beside - 2.0 * WAY;
+                    let slope = match [back, beside].map(|confinement| self.domain.range(side, confinement)) {
+                        [Some(before), Some(after)] => (after[end] - before[end]) / (2.0 * WAY),
+                        _ => 0.0,
+                    };
+                    return to(reduced.step_along([slope, 1.0], damping));
+                }
+            }
+        }
+        to(step)
+    }
+
+    /// Fits from a start.
+    pub(crate) fn fit(
+        &mut self,
+        data: &Data<'_>,
+        side: Side,
+        start: [f64; 2],
+        unknowns: [f64; NUISANCES],
+    ) -> Result<Option<Fit>, EvaluateError> {
+        let mut theta = self.domain.clamp(side, start, start);
+        let mut unknowns = unknowns;
+        let mut shape = self.shapes.at(theta)?;
+        let data = &Data {
+            bound: shape.bound,
+            ..*data
+        };
+        let mut damping = 1e-4;
+        for step in 0..STEPS {
+            let sensitivity = self.sensitivity(side, theta, &shape)?;
+            let normal = data.normal(&shape, Some(&sensitivity), &unknowns);
+            let Some(reduced) = Reduced::new(&normal) else {
+                return Ok(None);
+            };
+            // The others are taken to their best here, so that sums are comparable.
+            let mut next = None;
+            for _ in 0..TRIALS {
+                let to = self.step(&reduced, side, theta, damping);
+                let way = [to[0] - theta[0], to[1] - theta[1]];
+                if reduced.length(way) < CLOSE || step + 1 == STEPS {
+                    break;
+                }
+                let there = self.shapes.at(to)?;
+                let others = reduced.moved(&unknowns, way);
+                if let Some((sum, others)) = Self::profiled(data, &there, &others)
+                    && sum < reduced.sum
+                {
+                    next = Some((to, there, others));
+                    damping = (damping * 0.2).max(1e-6);
+                    break;
+                }
+                damping = (damping * 10.0).max(1e-2);
+            }
+            match next {
+                Some((to, there, others)) => (theta, shape, unknowns) = (to, there, others),
+                None => {
+                    let deviation = |i: usize| data.deviation(i);
+                    let others = core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
+                    let freedom = Factor::new(&others).map_or(0.0, |factor| factor.log_determinant());
+                    return Ok(Some(Fit {
+                        side,
+                        evidence: reduced.sum
+                            + freedom
+                            + (0..NUISANCES).map(|i| 2.0 * libm::log(deviation(i))).sum::<f64>(),
+                        bound: data.bound,
+                        others,
+                        priors: core::array::from_fn(|i| 1.0 / (deviation(i) * deviation(i))),
+                        theta,
+                        unknowns: reduced.moved(&unknowns, [0.0; 2]),
+                        sum: reduced.sum,
+                        pressure: reduced.pressure(),
+                        reduced,
+                        shape,
+                        sensitivity,
+                    }));
+                }
+            }
+        }
+        Ok(None)
+    }
+}

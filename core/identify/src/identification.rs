@@ -1,0 +1,159 @@
+//! The answer: what was found, how sure it is, and in words whether it is an answer at all.
+
+use crate::domain::Side;
+use crate::measurement::Direction;
+use crate::profile::Interval;
+
+/// A quantity with its intervals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The best value.
+    pub value: f64,
+    /// Interval of the profile likelihood that holds the true value in 68 of 100 cases.
+    pub interval_68: Interval,
+    /// The same in 95 of 100 cases.
+    pub interval_95: Interval,
+}
+
+/// What kind of answer it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// One answer, with an interval that is closed on both sides.
+    Identified,
+    /// The interval of Ca or a/l reaches the edge of the sampled domain: beyond it nothing is known.
+    Bounded,
+    /// Another place of the domain fits as well.
+    SeveralSolutions,
+    /// The best fit lies at the edge of the domain, and the data ask for more.
+    OutsideDomain,
+    /// The data do not determine both Ca and a/l.
+    Undetermined,
+    /// The outline differs from that of any such capsule, by more than noise and the model's error.
+    NotSuchACapsule,
+    /// The scale or the edge would have to be farther off than was said to be possible.
+    ScaleInconsistent,
+}
+
+impl Verdict {
+    /// Its name in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::Bounded => "bounded-on-one-side",
+            Self::SeveralSolutions => "several-solutions",
+            Self::OutsideDomain => "outside-domain",
+            Self::Undetermined => "undetermined",
+            Self::NotSuchACapsule => "not-such-a-capsule",
+            Self::ScaleInconsistent => "scale-or-channel-inconsistent",
+        }
+    }
+
+    /// What it means, and what to do, in a sentence.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Identified => "one answer, with closed intervals",
+            Self::Bounded => {
+                "the interval reaches the edge of the sampled domain, beyond which nothing is known: it is a bound"
+            }
+            Self::SeveralSolutions => {
+                "another capsule fits as well, beyond the border at which the rear buckles: measure the rear's depth, the \
+                 radius or the velocity too"
+            }
+            Self::OutsideDomain => {
+                "the best fit lies at the edge of the sampled domain and the data ask for more: the numbers are no answer"
+            }
+            Self::Undetermined => "the data do not determine Ca and a/l: measure more",
+            Self::NotSuchACapsule => {
+                "the outline differs from that of any neo-Hookean capsule on the axis of a square channel by more than its \
+                 noise and the model's error: the numbers are no answer"
+            }
+            Self::ScaleInconsistent => {
+                "the scale or the edge would have to be three deviations off: check scale, half width and threshold"
+            }
+        }
+    }
+}
+
+/// Another solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alternative {
+    /// Ca.
+    pub capillary_number: f64,
+    /// a/l.
+    pub confinement: f64,
+    /// By how much its sum of squares is greater.
+    pub rise: f64,
+}
+
+/// Where the model's outline lies in the contour's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub(crate) direction: Direction,
+    pub(crate) half_width_um: f64,
+    /// The middle of the contour, in l.
+    pub(crate) middle: [f64; 2],
+    pub(crate) shift: [f64; 2],
+    pub(crate) tilt: f64,
+    pub(crate) scale_error: f64,
+}
+
+impl Frame {
+    /// A point of the frame of the capsule's centroid, in l, in the contour's coordinates, in um.
+    pub fn place_um(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let grown = 1.0 + self.scale_error;
+        let [x, y] = [(x + self.shift[0]) / grown, (y + self.shift[1]) / grown];
+        let (cos, sin) = (libm::cos(self.tilt), libm::sin(self.tilt));
+        let [u, v] = [cos * x - sin * y + self.middle[0], cos * y + sin * x + self.middle[1]];
+        self.direction.back([u, v]).map(|x| x * self.half_width_um)
+    }
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Identification {
+    /// Capillary number mu V / G_s.
+    pub capillary_number: Estimate,
+    /// a/l.
+    pub confinement: Estimate,
+    /// Radius a, in um.
+    pub radius_um: Estimate,
+    /// Surface shear modulus G_s, in N/m.
+    pub shear_modulus_n_per_m: Estimate,
+    /// Mean velocity of the liquid, in m/s: as given, or as the model tells it from the capsule's.
+    pub mean_velocity_m_s: f64,
+    /// Standard deviations of ln Ca and a/l, from the curvature of the sum of squares at its least.
+    pub deviations: [f64; 2],
+    /// Correlation of the errors of ln Ca and a/l.
+    pub correlation: f64,
+    /// Sum of the squares of the points' residuals over their noise.
+    pub chi_squared: f64,
+    /// Points less what is fitted to them.
+    pub degrees_of_freedom: f64,
+    /// Root of the mean square of the residuals, in um.
+    pub residual_um: f64,
+    /// The noise of a point that the intervals count with, in um.
+    pub noise_um: f64,
+    /// How many neighbouring residuals count as one, because they err alike.
+    pub correlated_points: f64,
+    /// How far the edge seems to be drawn too far out, in um.
+    pub edge_um: f64,
+    /// Relative error of the scale that the outline asks for.
+    pub scale_error: f64,
+    /// Angle of the channel's axis, in radians.
+    pub tilt: f64,
+    /// The direction of the flow.
+    pub direction: Direction,
+    /// Where the model's outline lies in the contour's coordinates.
+    pub frame: Frame,
+    /// How much of the model's error the outline asks for: the sum of squares of its 24 cosines' coefficients, each in
+    /// its standard deviation.
+    pub structure: f64,
+    /// The side of the border of buckling.
+    pub side: Side,
+    /// Another place that fits as well.
+    pub alternative: Option<Alternative>,
+    /// Kind of answer.
+    pub verdict: Verdict,
+    /// How many outlines of the model were computed.
+    pub evaluations: u32,
+}

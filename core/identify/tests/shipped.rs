@@ -1,0 +1,383 @@
+//! Outlines of the shipped model and of closed shapes, identified.
+
+use capsule_core::Model;
+use capsule_identify::*;
+
+static FILE: &[u8] = include_bytes!("../../../models/capsule.crom");
+
+struct Bench {
+    workspace: Box<Store>,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+}
+
+impl Bench {
+    fn new(model: &Model<'_>) -> Self {
+        Self {
+            workspace: Box::new(Store::new()),
+            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
+        }
+    }
+
+    fn shapes<'a, 'w>(&'w mut self, model: &'a Model<'a>, observable: Observable) -> Shapes<'a, 'w> {
+        let memory = Memory {
+            workspace: &mut self.workspace,
+            positions: &mut self.positions,
+            normals: &mut self.normals,
+        };
+        Shapes::new(model, memory, observable, model.end_time())
+    }
+}
+
+const CHANNEL_UM: f64 = 25.0;
+
+/// A closed contour in um along a shape, in image coordinates, and with noise from a generator.
+fn contour(shape: &Shape, count: usize, noise: f64, mut normal: impl FnMut() -> f64) -> Vec<[f64; 2]> {
+    let fine: Vec<[f64; 2]> = (0..=4000)
+        .map(|i| shape.curve.position(f64::from(i) / 4000.0))
+        .collect();
+    let closed: Vec<[f64; 2]> = fine
+        .iter()
+        .copied()
+        .chain(fine.iter().rev().skip(1).map(|[x, y]| [*x, -y]))
+        .collect();
+    let mut way = vec![0.0];
+    for pair in closed.windows(2) {
+        way.push(way[way.len() - 1] + (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]));
+    }
+    (0..count)
+        .map(|k| {
+            let s = way[way.len() - 1] * k as f64 / count as f64;
+            let i = way.partition_point(|w| *w <= s).clamp(1, closed.len() - 1);
+            let (p, q) = (closed[i - 1], closed[i]);
+            let [tx, ty] = [q[0] - p[0], q[1] - p[1]];
+            let length = tx.hypot(ty);
+            let share = (s - way[i - 1]) / (way[i] - way[i - 1]);
+            let out = noise * normal();
+            [
+                100.0 + CHANNEL_UM * (p[0] + share * tx + out * ty / length),
+                40.0 + CHANNEL_UM * (p[1] + share * ty - out * tx / length),
+            ]
+        })
+        .collect()
+}
+
+/// Normal numbers by sums of uniform ones.
+fn normals(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            sum += (state >> 11) as f64 / (1_u64 << 53) as f64;
+        }
+        sum
+    }
+}
+
+fn measurement(points: &[[f64; 2]]) -> Measurement<'_> {
+    Measurement {
+        setup: Setup {
+            half_width_um: CHANNEL_UM,
+            flow: Flow::MeanVelocity(5e-3),
+            viscosity_pa_s: 0.8,
+        },
+        contour: Some(Contour {
+            points_um: points,
+            direction: Direction::Right,
+            noise_um: None,
+        }),
+        lengths: Lengths::default(),
+        priors: Priors::of_pixel(0.25),
+    }
+}
+
+const TRUTHS: [[f64; 2]; 6] = [
+    [0.1, 0.9],
+    [0.03, 1.1],
+    [0.02, 0.78],
+    [0.008, 0.95],
+    [0.15, 0.8],
+    [0.05, 1.15],
+];
+
+/// Identifies outlines of the model with some noise, in l, and hands over what was found.
+fn each(
+    observable: Observable,
+    noise: f64,
+    change: impl Fn(&mut Measurement<'_>),
+    mut check: impl FnMut([f64; 2], Identification),
+) {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, observable);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let mut random = normals(1);
+    for truth in TRUTHS {
+        let shape = shapes.at([f64::ln(truth[0]), truth[1]]).unwrap();
+        let points = contour(&shape, 600, noise, &mut random);
+        let mut room = vec![Point::default(); points.len()];
+        let mut measurement = measurement(&points);
+        measurement.priors.model = 0.0;
+        change(&mut measurement);
+        check(truth, identify(&mut shapes, &grid, &measurement, &mut room).unwrap());
+    }
+}
+
+#[test]
+fn an_outline_of_the_model_gives_its_parameters() {
+    for (observable, ca, radius) in [(Observable::Midplane, 1e-3, 1e-4), (Observable::Silhouette, 4e-3, 4e-4)] {
+        each(
+            observable,
+            0.0,
+            |_| {},
+            |truth, found| {
+                let errors = [
+                    (found.capillary_number.value / truth[0] - 1.0).abs(),
+                    (found.confinement.value / truth[1] - 1.0).abs(),
+                ];
+                assert!(
+                    errors[0] < ca && errors[1] < radius,
+                    "{observable:?} {truth:?}: {errors:?}"
+                );
+                assert!((found.radius_um.value - CHANNEL_UM * found.confinement.value).abs() < 1e-9);
+                // G_s = mu V / Ca.
+                let modulus = 0.8 * 5e-3 / found.capillary_number.value;
+                assert!((found.shear_modulus_n_per_m.value / modulus - 1.0).abs() < 1e-12);
+            },
+        );
+    }
+}
+
+#[test]
+fn noise_is_found_and_intervals_hold() {
+    let (mut held, mut asked) = (0, 0);
+    each(
+        Observable::Midplane,
+        1e-3,
+        |_| {},
+        |truth, found| {
+            assert!((found.noise_um / CHANNEL_UM - 1e-3).abs() < 1e-4, "{}", found.noise_um);
+            for (estimate, truth) in [(found.capillary_number, truth[0]), (found.confinement, truth[1])] {
+                held += usize::from(estimate.interval_95.contains(truth));
+                asked += 1;
+                let [narrow, wide] = [estimate.interval_68, estimate.interval_95];
+                assert!(wide.low <= narrow.low && narrow.low <= estimate.value);
+                assert!(estimate.value <= narrow.high && narrow.high <= wide.high);
+            }
+            assert_eq!(found.verdict, Verdict::Identified, "{truth:?}");
+        },
+    );
+    assert!(held + 2 >= asked, "{held} of {asked}");
+}
+
+#[test]
+fn intervals_near_the_best_value_are_those_of_the_curvature() {
+    each(
+        Observable::Midplane,
+        2e-4,
+        |m| m.contour.as_mut().unwrap().noise_um = Some(2e-4 * CHANNEL_UM),
+        |_, found| {
+            let Interval { low, high, .. } = found.capillary_number.interval_95;
+            let half = 0.5 * (high / low).ln();
+            let expected = 1.96 * found.deviations[0];
+            assert!((half / expected - 1.0).abs() < 0.05, "{half} {expected}");
+        },
+    );
+}
+
+#[test]
+fn the_direction_of_the_flow_is_found() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let shape = shapes.at([f64::ln(0.06), 0.95]).unwrap();
+    let drawn = contour(&shape, 300, 1e-3, normals(2));
+    let turns: [(fn([f64; 2]) -> [f64; 2], Direction); 4] = [
+        (|p| p, Direction::Right),
+        (|[x, y]| [-x, y], Direction::Left),
+        (|[x, y]| [y, x], Direction::Up),
+        (|[x, y]| [y, -x], Direction::Down),
+    ];
+    for (turn, direction) in turns {
+        let mut points: Vec<[f64; 2]> = drawn.iter().map(|point| turn(*point)).collect();
+        // In either order.
+        points.reverse();
+        let mut measurement = measurement(&points);
+        measurement.contour.as_mut().unwrap().direction = Direction::Found;
+        let mut room = vec![Point::default(); points.len()];
+        let found = identify(&mut shapes, &grid, &measurement, &mut room).unwrap();
+        assert_eq!(found.direction, direction);
+        assert!((found.capillary_number.value / 0.06 - 1.0).abs() < 0.02);
+        // The model's outline lies on the contour.
+        for share in [0.0, 0.3, 0.8] {
+            let [x, y] = found.frame.place_um(shape.curve.position(share));
+            let nearest = points
+                .iter()
+                .map(|p| (p[0] - x).hypot(p[1] - y))
+                .fold(f64::INFINITY, f64::min);
+            assert!(nearest < 0.3, "{direction:?} {share}: {nearest}");
+        }
+    }
+}
+
+#[test]
+fn an_edge_that_is_drawn_too_far_out_does_not_move_the_answer_much() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let shape = shapes.at([f64::ln(0.08), 0.95]).unwrap();
+    // A quarter of a pixel of l / 100.
+    let out = 2.5e-3;
+    let points = contour(&shape, 600, out, || 1.0);
+    let mut room = vec![Point::default(); points.len()];
+    let mut found = |edge: f64| {
+        let mut measurement = measurement(&points);
+        measurement.priors.edge_um = edge;
+        measurement.priors.scale = 0.0;
+        identify(&mut shapes, &grid, &measurement, &mut room).unwrap()
+    };
+    let (fitted, ignored) = (found(0.0625), found(0.0));
+    let error = |found: &Identification| (found.capillary_number.value / 0.08 - 1.0).abs();
+    assert!(
+        error(&fitted) < 2e-3 && error(&ignored) > 4e-3,
+        "{} {}",
+        error(&fitted),
+        error(&ignored)
+    );
+    assert!((fitted.edge_um - out * CHANNEL_UM).abs() < 0.01, "{}", fitted.edge_um);
+}
+
+#[test]
+fn three_lengths_are_enough() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let shape = shapes.at([f64::ln(0.1), 0.9]).unwrap();
+    let length = |i: usize| {
+        Some(Measured {
+            value: CHANNEL_UM * shape.scalars[i],
+            deviation: 0.05,
+        })
+    };
+    let mut measurement = measurement(&[]);
+    measurement.contour = None;
+    measurement.lengths = Lengths {
+        axial_length_um: length(LENGTH),
+        half_width_um: length(HALF_WIDTH),
+        rear_depth_um: length(REAR_DEPTH),
+        ..Lengths::default()
+    };
+    let found = identify(&mut shapes, &grid, &measurement, &mut []).unwrap();
+    assert!((found.capillary_number.value / 0.1 - 1.0).abs() < 2e-3, "{found:?}");
+    assert!((found.confinement.value / 0.9 - 1.0).abs() < 5e-4);
+    assert_eq!(found.verdict, Verdict::Identified);
+    measurement.lengths = Lengths {
+        axial_length_um: length(LENGTH),
+        ..Lengths::default()
+    };
+    let few = identify(&mut shapes, &grid, &measurement, &mut []);
+    assert!(matches!(few, Err(IdentifyError::TooFewLengths { found: 1 })));
+}
+
+#[test]
+fn the_capsule_s_velocity_tells_that_of_the_flow() {
+    each(
+        Observable::Midplane,
+        1e-3,
+        |m| m.setup.flow = Flow::CapsuleVelocity(7e-3),
+        |truth, found| {
+            let model = Model::open(FILE).unwrap();
+            let mut bench = Bench::new(&model);
+            let mut shapes = bench.shapes(&model, Observable::Midplane);
+            let ratio = shapes.at([truth[0].ln(), truth[1]]).unwrap().scalars[VELOCITY];
+            assert!((found.mean_velocity_m_s * ratio / 7e-3 - 1.0).abs() < 2e-3);
+            let modulus = 0.8 * 7e-3 / ratio / truth[0];
+            let Interval { low, high, .. } = found.shear_modulus_n_per_m.interval_95;
+            let margin = 0.5 * (high - low);
+            assert!(
+                low - margin < modulus && modulus < high + margin,
+                "{low} {modulus} {high}"
+            );
+        },
+    );
+}
+
+#[test]
+fn what_is_no_such_capsule_is_said_to_be_none() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let mut found = |points: &[[f64; 2]]| {
+        let mut room = vec![Point::default(); points.len()];
+        identify(&mut shapes, &grid, &measurement(points), &mut room).unwrap()
+    };
+    // An ellipse, and a drop.
+    for pointed in [0.0, 0.3] {
+        let points: Vec<[f64; 2]> = (0..400)
+            .map(|i| {
+                let angle = std::f64::consts::TAU * f64::from(i) / 400.0;
+                [28.0 * angle.cos(), 20.0 * angle.sin() * (1.0 + pointed * angle.cos())]
+            })
+            .collect();
+        let verdict = found(&points).verdict;
+        assert_ne!(verdict, Verdict::Identified, "{pointed}");
+        assert_ne!(verdict, Verdict::Bounded, "{pointed}");
+    }
+}
+
+#[test]
+fn bad_contours_are_named() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let mut error = |points: &[[f64; 2]]| {
+        let mut room = vec![Point::default(); 100];
+        let measurement = measurement(points);
+        if let Err(error) = measurement.contour.unwrap().crossing() {
+            return error;
+        }
+        match identify(&mut shapes, &grid, &measurement, &mut room) {
+            Err(IdentifyError::Contour(error)) => error,
+            other => panic!("{other:?}"),
+        }
+    };
+    let circle = |count: usize, radius: f64, share: f64| -> Vec<[f64; 2]> {
+        let angle = |i: usize| std::f64::consts::TAU * share * i as f64 / count as f64;
+        (0..count)
+            .map(|i| [radius * angle(i).cos(), radius * angle(i).sin()])
+            .collect()
+    };
+    assert_eq!(error(&circle(11, 20.0, 1.0)), ContourError::TooFewPoints { found: 11 });
+    assert!(matches!(
+        error(&circle(101, 20.0, 1.0)),
+        ContourError::TooManyPoints { found: 101, room: 100 }
+    ));
+    assert!(matches!(
+        error(&circle(90, 27.0, 1.0)),
+        ContourError::WiderThanChannel { .. }
+    ));
+    assert!(matches!(error(&circle(90, 20.0, 0.5)), ContourError::Open { .. }));
+    let mut points = circle(90, 20.0, 1.0);
+    points[7][1] = f64::NAN;
+    assert_eq!(error(&points), ContourError::NotFinite { index: 7 });
+    let eight: Vec<[f64; 2]> = (0..80)
+        .map(|i| {
+            let angle = std::f64::consts::TAU * (f64::from(i) + 0.5) / 80.0;
+            [20.0 * angle.sin(), 12.0 * (2.0 * angle).sin()]
+        })
+        .collect();
+    assert!(matches!(error(&eight), ContourError::SelfCrossing { .. }));
+    let line: Vec<[f64; 2]> = (0..40)
+        .map(|i| [if i < 20 { f64::from(i) } else { f64::from(40 - i) }, 1e-4])
+        .collect();
+    assert_eq!(error(&line), ContourError::NoArea);
+}

@@ -1,0 +1,103 @@
+//! `capsule-rom study identify`: how well capsules are identified.
+
+use crate::model::ModelFile;
+use crate::outputs::Outputs;
+use crate::{print, progress};
+use anyhow::Result;
+use capsule_database::Database;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Options {
+    #[command(flatten)]
+    model: ModelFile,
+    /// Folder of the test set, a snapshot database
+    #[arg(long, value_name = "DIR", default_value = "models/test-set")]
+    tests: PathBuf,
+    /// Noisy trials of each configuration
+    #[arg(long, default_value_t = 17)]
+    repeats: usize,
+    /// Write all trials and the table into this folder
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Example:
+  capsule-rom study identify --out identify/
+
+Contours are drawn along outlines of the full-order model at configurations that no sample shares, one point a pixel, \
+100 pixels per l, and identified. In each noisy trial the edge (0.25 px), the scale (0.5 %) and the tilt (0.02) are \
+drawn at random and fitted. The model's own outlines tell whether the intervals and the spread are right where the \
+model is exact.";
+
+pub fn run(options: &Options) -> Result<()> {
+    let mut outputs = Outputs::default()
+        .reads("--model", options.model.path())
+        .reads("--tests", options.tests.as_path())
+        .folder("--out", options.out.as_path())
+        .checked()?;
+    let bytes = options.model.read()?;
+    let model = options.model.open(&bytes)?;
+    let tests = Database::open(&options.tests)?;
+    let bar = progress::tasks(options.quiet);
+    let mut all = Vec::new();
+    outputs.write_into(&options.out, |folder| {
+        all = capsule_study::identify::identify(&model, &tests, options.repeats, folder, &|task, done, of| {
+            progress::show(&bar, task, done, of);
+        })?;
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    outputs.finish()?;
+    if options.json {
+        return print::json(&all);
+    }
+    println!("errors in per cent: median, 90 %, greatest; away from the border of buckling: greatest");
+    let three = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" / ");
+    let two = |values: [f64; 2], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" / ");
+    let rows: Vec<Vec<String>> = all
+        .iter()
+        .map(|series| {
+            vec![
+                series.observable.to_owned(),
+                series.name.to_owned(),
+                series.trials.to_string(),
+                three(series.ca_percent, 3),
+                format!("{:.3}", series.away_ca_percent[2]),
+                three(series.radius_percent, 4),
+                format!("{:.4}", series.away_radius_percent[2]),
+                two(series.held_95_percent, 1),
+                two(series.spread, 2),
+                series.lost.to_string(),
+                format!("{:.2}", series.time_ms),
+            ]
+        })
+        .collect();
+    let headings = [
+        "outline",
+        "series",
+        "trials",
+        "Ca",
+        "away",
+        "a",
+        "away",
+        "held 95 %",
+        "spread",
+        "lost",
+        "ms",
+    ];
+    print::table(&headings, &rows)?;
+    for series in &all {
+        println!("{}, {}: {:?}", series.observable, series.name, series.verdicts);
+    }
+    Ok(())
+}

@@ -1,0 +1,308 @@
+//! How well a capsule is identified: on outlines of the full-order model that no sample shares, with and without noise,
+//! and on the model's own outlines, whose truth is exact.
+
+mod trials;
+mod truth;
+
+use std::path::Path;
+
+use capsule_core::Model;
+use capsule_database::{Database, table};
+use capsule_identify::{Grid, Observable, Priors};
+use serde::Serialize;
+
+use crate::StudyError;
+use crate::random::Random;
+use trials::{Bench, Told, Trial, by_contour, by_lengths};
+use truth::{Drawing, Truth, normal};
+
+/// Pixels per l of the drawn contours.
+const PIXELS: f64 = 100.0;
+/// The seed of all trials.
+const SEED: u64 = 7;
+/// Share by which Ca may be off the border of buckling for a configuration to count as beside it.
+const BESIDE: f64 = 0.3;
+
+/// Errors and intervals of a series of trials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Series {
+    /// "midplane" or "silhouette".
+    pub observable: &'static str,
+    /// What was done.
+    pub name: &'static str,
+    /// Number of trials.
+    pub trials: usize,
+    /// Errors of Ca, per cent: median, 90 % quantile, greatest.
+    pub ca_percent: [f64; 3],
+    /// Errors of a.
+    pub radius_percent: [f64; 3],
+    /// The same away from the border of buckling.
+    pub away_ca_percent: [f64; 3],
+    /// The same away from the border of buckling.
+    pub away_radius_percent: [f64; 3],
+    /// Share of the 68 % intervals of Ca and of a that hold the truth, per cent.
+    pub held_68_percent: [f64; 2],
+    /// Share of the 95 % intervals.
+    pub held_95_percent: [f64; 2],
+    /// Root mean square of the errors of ln Ca and a/l in their standard deviations, without those beyond five, which
+    /// are counted: with the model's own outlines and known noise, the spread in that of the bound of Cramer and Rao.
+    pub spread: [f64; 2],
+    /// Trials that err by more than five standard deviations.
+    pub lost: usize,
+    /// Median standard deviations, per cent of Ca and of a.
+    pub deviation_percent: [f64; 2],
+    /// Median time of a fit, in milliseconds.
+    pub time_ms: f64,
+    /// Tenth percentile of the time: on a busy machine nearer to what one fit takes.
+    pub fast_ms: f64,
+    /// Median number of outlines that the model computed.
+    pub evaluations: f64,
+    /// How often each verdict was given.
+    pub verdicts: std::collections::BTreeMap<&'static str, usize>,
+}
+
+/// Heading of the table of all trials.
+const HEADING: [&str; 12] = [
+    "observable",
+    "series",
+    "capillary_number",
+    "confinement",
+    "found_capillary_number",
+    "found_confinement",
+    "ca_95_low",
+    "ca_95_high",
+    "confinement_95_low",
+    "confinement_95_high",
+    "structure",
+    "verdict",
+];
+
+/// Runs the study: `repeats` noisy trials of each configuration. Writes all trials as `trials.csv` and the series as
+/// `series.json` into the folder.
+///
+/// # Errors
+/// Those of the database and of the model; a folder that cannot be written.
+pub fn identify(
+    model: &Model<'_>,
+    tests: &Database,
+    repeats: usize,
+    out: &Path,
+    progress: capsule_offline::Progress,
+) -> Result<Vec<Series>, StudyError> {
+    let mut all = Vec::new();
+    let mut rows = Vec::new();
+    let steps = 2 * plans().len();
+    for observable in [Observable::Midplane, Observable::Silhouette] {
+        let truths = Truth::all(model, tests, observable)?;
+        if truths.is_empty() {
+            return Err(StudyError::NothingToCompare);
+        }
+        let mut bench = Bench::new(model);
+        let (mut shapes, points) = bench.shapes(model, observable);
+        let grid = Grid::new(&mut shapes)?;
+        for plan in plans() {
+            progress("identify", all.len(), steps);
+            let mut random = Random(SEED);
+            let mut trials = Vec::new();
+            for _ in 0..if plan.noise > 0.0 { repeats } else { 1 } {
+                for truth in &truths {
+                    let trial = match plan.from {
+                        From::Lengths => {
+                            by_lengths(&mut shapes, &grid, truth, plan.noise * plan.drawing(0.0).pixel_um())
+                        }
+                        From::FullOrder | From::Own => {
+                            let mut drawing = plan.drawing(plan.noise);
+                            if plan.unknown_frame {
+                                drawing.edge = 0.25 * normal(&mut random);
+                                drawing.scale = 0.005 * normal(&mut random);
+                                drawing.tilt = 0.02 * normal(&mut random);
+                            }
+                            let [ca, confinement] = truth.parameters;
+                            let outline = if plan.from == From::Own {
+                                let shape = shapes.at([ca.ln(), confinement])?;
+                                (0..=2000)
+                                    .map(|i| shape.curve.position(f64::from(i) / 2000.0))
+                                    .collect()
+                            } else {
+                                truth.outline.clone()
+                            };
+                            let told = plan.told(&drawing);
+                            let known = (truth.parameters, outline.as_slice());
+                            by_contour(&mut shapes, &grid, points, known, &drawing, &told, &mut random)
+                        }
+                    };
+                    trials.push(trial?);
+                }
+            }
+            let observable = match observable {
+                Observable::Midplane => "midplane",
+                Observable::Silhouette => "silhouette",
+            };
+            rows.extend(trials.iter().map(|trial| row(observable, plan.name, trial)));
+            all.push(Series::new(model, observable, plan.name, &trials));
+        }
+    }
+    progress("identify", steps, steps);
+    let write = |name: &str, bytes: Vec<u8>| {
+        let path = out.join(name);
+        std::fs::write(&path, bytes).map_err(|source| StudyError::Write { path, source })
+    };
+    write("trials.csv", table::csv(None, HEADING, rows)?)?;
+    let json = serde_json::to_vec_pretty(&all).unwrap_or_default();
+    write("series.json", json)?;
+    Ok(all)
+}
+
+/// Where a trial's outline comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum From {
+    FullOrder,
+    Own,
+    Lengths,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Plan {
+    name: &'static str,
+    from: From,
+    /// Noise, in pixels.
+    noise: f64,
+    /// Whether edge, scale and tilt are drawn at random and fitted; else they are exact and known to be.
+    unknown_frame: bool,
+}
+
+fn plans() -> [Plan; 6] {
+    let plan = |name, from, noise, unknown_frame| Plan {
+        name,
+        from,
+        noise,
+        unknown_frame,
+    };
+    [
+        plan("no noise", From::FullOrder, 0.0, false),
+        plan("no noise, frame fitted", From::FullOrder, 0.0, true),
+        plan("0.1 px, own outlines", From::Own, 0.1, true),
+        plan("0.1 px", From::FullOrder, 0.1, true),
+        plan("1 px", From::FullOrder, 1.0, true),
+        plan("lengths to 1 px", From::Lengths, 1.0, false),
+    ]
+}
+
+impl Plan {
+    fn drawing(&self, noise: f64) -> Drawing {
+        Drawing {
+            pixels: PIXELS,
+            noise,
+            edge: 0.0,
+            scale: 0.0,
+            tilt: 0.0,
+        }
+    }
+
+    fn told(&self, drawing: &Drawing) -> Told {
+        let usual = Priors::of_pixel(drawing.pixel_um());
+        let own = self.from == From::Own;
+        let factor = if self.unknown_frame { 1.0 } else { 0.0 };
+        Told {
+            priors: Priors {
+                edge_um: factor * usual.edge_um,
+                scale: factor * usual.scale,
+                tilt: 0.02,
+                // Its own outlines have no error of the model.
+                model: if own { 0.0 } else { 1.0 },
+            },
+            noise: own,
+        }
+    }
+}
+
+impl Series {
+    fn new(model: &Model<'_>, observable: &'static str, name: &'static str, trials: &[Trial]) -> Self {
+        let border = capsule_core::model::Curve::new(&model.contents().border);
+        let away = |trial: &&Trial| {
+            let [ca, confinement] = trial.truth;
+            border
+                .at(confinement)
+                .is_none_or(|border| (ca / border - 1.0).abs() > BESIDE && ca > border)
+        };
+        let errors = |trials: &mut dyn Iterator<Item = &Trial>, d: usize| {
+            let values: Vec<f64> = trials.map(|trial| 100.0 * trial.errors()[d].abs()).collect();
+            [0.5, 0.9, 1.0].map(|share| quantile(&values, share))
+        };
+        let count = trials.len() as f64;
+        let held = |level: usize| {
+            [0, 1].map(|d| 100.0 * trials.iter().filter(|trial| trial.holds()[d][level]).count() as f64 / count)
+        };
+        let scores: Vec<[f64; 2]> = trials
+            .iter()
+            .map(|trial| {
+                let found = &trial.found;
+                [
+                    (found.capillary_number.value / trial.truth[0]).ln() / found.deviations[0],
+                    (found.confinement.value - trial.truth[1]) / found.deviations[1],
+                ]
+            })
+            .collect();
+        let lost = |score: &&[f64; 2]| score.iter().any(|score| !(score.abs() <= 5.0));
+        let kept: Vec<&[f64; 2]> = scores.iter().filter(|score| !lost(score)).collect();
+        let median = |value: &dyn Fn(&Trial) -> f64, share: f64| {
+            let values: Vec<f64> = trials.iter().map(value).collect();
+            quantile(&values, share)
+        };
+        let mut verdicts = std::collections::BTreeMap::new();
+        for trial in trials {
+            *verdicts.entry(trial.found.verdict.name()).or_insert(0) += 1;
+        }
+        Self {
+            observable,
+            name,
+            trials: trials.len(),
+            ca_percent: errors(&mut trials.iter(), 0),
+            radius_percent: errors(&mut trials.iter(), 1),
+            away_ca_percent: errors(&mut trials.iter().filter(away), 0),
+            away_radius_percent: errors(&mut trials.iter().filter(away), 1),
+            held_68_percent: held(0),
+            held_95_percent: held(1),
+            spread: [0, 1].map(|d| {
+                let squares: f64 = kept.iter().map(|score| score[d] * score[d]).sum();
+                (squares / kept.len().max(1) as f64).sqrt()
+            }),
+            lost: scores.len() - kept.len(),
+            deviation_percent: [
+                median(&|trial| 100.0 * trial.found.deviations[0], 0.5),
+                median(&|trial| 100.0 * trial.found.deviations[1] / trial.truth[1], 0.5),
+            ],
+            time_ms: median(&|trial| 1e3 * trial.seconds, 0.5),
+            fast_ms: median(&|trial| 1e3 * trial.seconds, 0.1),
+            evaluations: median(&|trial| f64::from(trial.found.evaluations), 0.5),
+            verdicts,
+        }
+    }
+}
+
+/// A quantile of some values, 0 of none.
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = (sorted.len().saturating_sub(1) as f64 * share).round() as usize;
+    sorted.get(place).copied().unwrap_or(0.0)
+}
+
+fn row(observable: &str, name: &str, trial: &Trial) -> Vec<String> {
+    let found = &trial.found;
+    let (ca, confinement) = (found.capillary_number, found.confinement);
+    let numbers = [
+        trial.truth[0],
+        trial.truth[1],
+        ca.value,
+        confinement.value,
+        ca.interval_95.low,
+        ca.interval_95.high,
+        confinement.interval_95.low,
+        confinement.interval_95.high,
+        found.structure,
+    ];
+    let texts = [observable.to_owned(), name.to_owned()].into_iter();
+    let numbers = numbers.iter().map(|number| format!("{number:.6}"));
+    texts.chain(numbers).chain([found.verdict.name().to_owned()]).collect()
+}

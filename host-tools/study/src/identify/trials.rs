@@ -1,0 +1,162 @@
+//! Contours of known capsules, identified.
+
+use std::time::Instant;
+
+use capsule_core::Model;
+use capsule_identify::{
+    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Memory, Observable, Point, Priors,
+    Setup, Shapes, Store, identify,
+};
+
+use super::truth::{Drawing, HALF_WIDTH_UM, Truth, contour};
+use crate::StudyError;
+use crate::random::Random;
+
+/// Memory of one thread.
+pub(crate) struct Bench {
+    workspace: Box<Store>,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    points: Vec<Point>,
+}
+
+impl Bench {
+    pub(crate) fn new(model: &Model<'_>) -> Self {
+        Self {
+            workspace: Box::new(Store::new()),
+            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
+            points: vec![Point::default(); 4096],
+        }
+    }
+
+    /// The model, and room for the points of a contour.
+    pub(crate) fn shapes<'a, 'w>(
+        &'w mut self,
+        model: &'a Model<'a>,
+        observable: Observable,
+    ) -> (Shapes<'a, 'w>, &'w mut [Point]) {
+        let memory = Memory {
+            workspace: &mut self.workspace,
+            positions: &mut self.positions,
+            normals: &mut self.normals,
+        };
+        (
+            Shapes::new(model, memory, observable, model.end_time()),
+            &mut self.points,
+        )
+    }
+}
+
+/// What a trial is told beside the contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Told {
+    pub(crate) priors: Priors,
+    /// Whether it is told the contour's noise.
+    pub(crate) noise: bool,
+}
+
+/// An identification and its truth.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Trial {
+    pub(crate) truth: [f64; 2],
+    pub(crate) found: Identification,
+    pub(crate) seconds: f64,
+}
+
+impl Trial {
+    /// Relative errors of Ca and a.
+    pub(crate) fn errors(&self) -> [f64; 2] {
+        let [ca, confinement] = self.truth;
+        [
+            self.found.capillary_number.value / ca - 1.0,
+            self.found.confinement.value / confinement - 1.0,
+        ]
+    }
+
+    /// Whether the intervals of 68 and 95 % hold the true Ca and a.
+    pub(crate) fn holds(&self) -> [[bool; 2]; 2] {
+        let [ca, confinement] = self.truth;
+        [(self.found.capillary_number, ca), (self.found.confinement, confinement)].map(|(estimate, truth)| {
+            [
+                estimate.interval_68.contains(truth),
+                estimate.interval_95.contains(truth),
+            ]
+        })
+    }
+}
+
+fn setup() -> Setup {
+    Setup {
+        half_width_um: HALF_WIDTH_UM,
+        flow: Flow::MeanVelocity(5e-3),
+        viscosity_pa_s: 0.8,
+    }
+}
+
+/// Draws a contour along an outline and identifies it.
+pub(crate) fn by_contour(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    points: &mut [Point],
+    (parameters, outline): ([f64; 2], &[[f64; 2]]),
+    drawing: &Drawing,
+    told: &Told,
+    random: &mut Random,
+) -> Result<Trial, StudyError> {
+    let drawn = contour(outline, drawing, random);
+    let measurement = Measurement {
+        setup: setup(),
+        contour: Some(Contour {
+            points_um: &drawn,
+            direction: Direction::Right,
+            noise_um: told.noise.then(|| drawing.noise * drawing.pixel_um()),
+        }),
+        lengths: Lengths::default(),
+        priors: told.priors,
+    };
+    let start = Instant::now();
+    let found = identify(shapes, grid, &measurement, points)?;
+    Ok(Trial {
+        truth: parameters,
+        found,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// Identifies a capsule from its length, half width and rear depth, measured to a pixel.
+pub(crate) fn by_lengths(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    truth: &Truth,
+    deviation_um: f64,
+) -> Result<Trial, StudyError> {
+    let [length, half_width, rear_depth, _] = truth.scalars.map(|value| {
+        Some(Measured {
+            value: value * HALF_WIDTH_UM,
+            deviation: deviation_um,
+        })
+    });
+    let measurement = Measurement {
+        setup: setup(),
+        contour: None,
+        lengths: Lengths {
+            axial_length_um: length,
+            half_width_um: half_width,
+            rear_depth_um: rear_depth,
+            ..Lengths::default()
+        },
+        priors: Priors {
+            edge_um: 0.0,
+            scale: 0.0,
+            ..Priors::of_pixel(deviation_um)
+        },
+    };
+    let start = Instant::now();
+    let found = identify(shapes, grid, &measurement, &mut [])?;
+    Ok(Trial {
+        truth: truth.parameters,
+        found,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
