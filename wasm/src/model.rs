@@ -163,8 +163,8 @@ impl Model {
     /// Border of the region that has a steady state: a/l, largest Ca, a/l, largest Ca, ..., by increasing a/l.
     #[wasm_bindgen(js_name = steadyLimit)]
     pub fn steady_limit(&self) -> Vec<f64> {
-        let rows = self.shared.core().steady_limit_points().pairs();
-        rows.flat_map(|row: [f64; 2]| row).collect()
+        let points = self.shared.core().steady_limit_curve().points();
+        points.flat_map(|point: [f64; 2]| point).collect()
     }
 
     /// Border where the solution jumps: a/l, Ca, a/l, Ca, ..., by rising a/l; empty where there is none.

@@ -27,15 +27,15 @@ const MARGIN: f64 = 2e-6;
 impl<'a> Domain<'a> {
     /// That of a model of capsules in the channel.
     pub(crate) fn new(model: &Model<'a>) -> Option<Self> {
-        let contents = model.contents();
-        let [first, second] = contents.metadata.parameters.as_slice() else {
+        let [first, second] = model.parameters() else {
             return None;
         };
-        (contents.steady_limit.rows > 0).then(|| Self {
+        let limit = model.steady_limit_curve();
+        (!limit.is_empty()).then(|| Self {
             min: [first.min, second.min],
             max: [first.max, second.max],
-            limit: Curve::new(&contents.steady_limit),
-            border: Curve::new(&contents.border),
+            limit,
+            border: model.jump_curve(),
         })
     }
 

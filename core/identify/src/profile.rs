@@ -75,7 +75,7 @@ impl Fitter<'_, '_, '_> {
         // Along C g the other parameter is at its best for each value of the quantity.
         let along = [0, 1].map(|d| covariance[d][0] * g[0] + covariance[d][1] * g[1]);
         let deviation = libm::sqrt(g[0] * along[0] + g[1] * along[1]);
-        if !(deviation > 0.0) {
+        if deviation.is_nan() || deviation <= 0.0 {
             return Ok(None);
         }
         let along = along.map(|x| x / deviation);

@@ -13,6 +13,11 @@ impl<'a> Curve<'a> {
         Self(points.blob.data.as_chunks().0.as_chunks().0)
     }
 
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The points (a/l, Ca).
     pub fn points<T: Real>(self) -> impl Iterator<Item = [T; 2]> + use<'a, T> {
         (0..self.0.len()).map(move |row| self.point(row))

@@ -170,9 +170,9 @@ impl<'a> Model<'a> {
         self.contents.clusters.iter().map(ClusterSamples::new)
     }
 
-    /// Points of the steady limit `[n, 2]`: rows (a/l, largest Ca that has a steady state), a/l strictly rising.
-    pub fn steady_limit_points(&self) -> MatrixView<'a> {
-        MatrixView::new(&self.contents.steady_limit)
+    /// The curve of the largest Ca with a steady state; without points where the model has no steady limit.
+    pub fn steady_limit_curve(&self) -> Curve<'a> {
+        Curve::new(&self.contents.steady_limit)
     }
 
     /// The curve Ca(a/l) at which the solution jumps, and which interpolation does not cross.

@@ -9,7 +9,7 @@ use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
 use crate::surface::quadrature::Point;
-use crate::surface::reconstruct::room;
+use crate::surface::reconstruct::prefix_mut;
 
 /// Barycentric coordinates of the six nodes of an element.
 const PLACES: [[f32; 3]; 6] = [
@@ -49,7 +49,7 @@ pub fn silhouette<T: Real>(
     if out.len() < LEAST {
         return short(LEAST, out.len());
     }
-    let normals = room(normals, mesh.sector_nodes().len())?;
+    let normals = prefix_mut(normals, mesh.sector_nodes().len())?;
     fill_normals(mesh, positions, normals);
     let extent = positions
         .iter()

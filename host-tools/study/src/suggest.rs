@@ -45,7 +45,7 @@ pub fn suggest(model: &Model, count: usize, until: f64) -> Result<Vec<Suggestion
 /// A lattice over the domain. The channel's Ca is spaced by its root, as the solution varies fast at small Ca.
 fn candidates(model: &Model) -> Vec<Parameters<f64>> {
     let ranges = model.parameters();
-    let root = |index: usize| index == 0 && model.steady_limit_points().rows() > 0;
+    let root = |index: usize| index == 0 && !model.steady_limit_curve().is_empty();
     let value = |index: usize, place: usize| {
         let share = place as f64 / (CANDIDATES - 1) as f64;
         let (low, high) = (ranges[index].min, ranges[index].max);

@@ -218,7 +218,7 @@ impl Plan {
 
 impl Series {
     fn new(model: &Model<'_>, observable: &'static str, name: &'static str, trials: &[Trial]) -> Self {
-        let border = capsule_core::model::Curve::new(&model.contents().border);
+        let border = model.jump_curve();
         let away = |trial: &&Trial| {
             let [ca, confinement] = trial.truth;
             border
@@ -243,7 +243,7 @@ impl Series {
                 ]
             })
             .collect();
-        let lost = |score: &&[f64; 2]| score.iter().any(|score| !(score.abs() <= 5.0));
+        let lost = |score: &&[f64; 2]| score.iter().any(|score| score.is_nan() || score.abs() > 5.0);
         let kept: Vec<&[f64; 2]> = scores.iter().filter(|score| !lost(score)).collect();
         let median = |value: &dyn Fn(&Trial) -> f64, share: f64| {
             let values: Vec<f64> = trials.iter().map(value).collect();
