@@ -1,7 +1,7 @@
 //! Answers of a model to one query, at one instant after another.
 
-use crate::model::Shared;
 use crate::section::curves;
+use crate::shared::Shared;
 use capsule_core::{
     EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_len,
 };

@@ -7,6 +7,7 @@ mod batch;
 mod evaluation;
 mod model;
 mod section;
+mod shared;
 mod surface;
 
 pub use evaluation::{Curves, Evaluation, Readings};

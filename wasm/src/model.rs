@@ -1,38 +1,12 @@
 //! An opened model file and its metadata.
 
 use crate::evaluation::Evaluation;
+use crate::shared::{CoreModel, File, Shared};
 use crate::surface::{Surface, normals};
 use capsule_core::model::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
-use self_cell::self_cell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
-
-type CoreModel<'a> = capsule_core::Model<'a>;
-
-self_cell!(
-    /// The file's bytes with the model that reads them in place.
-    struct File {
-        owner: Vec<u8>,
-        #[covariant]
-        dependent: CoreModel,
-    }
-);
-
-/// The parts that all evaluations of a model share.
-pub(crate) struct Shared {
-    file: File,
-    /// The membrane as triangles to draw.
-    pub surface: Surface,
-    /// Nodes of the full mesh.
-    pub nodes: usize,
-}
-
-impl Shared {
-    pub fn core(&self) -> &CoreModel<'_> {
-        self.file.borrow_dependent()
-    }
-}
 
 /// Pieces into which each side of a P2 element is divided for drawing.
 const DIVISIONS: usize = 4;
@@ -193,21 +167,11 @@ impl Model {
         rows.flat_map(|row: [f64; 2]| row).collect()
     }
 
-    /// Border where the solution jumps, within the sampled range of a/l: a/l, Ca, a/l, Ca, ..., by increasing a/l; empty
-    /// where there is none.
+    /// Border where the solution jumps: a/l, Ca, a/l, Ca, ..., by rising a/l; empty where there is none.
     #[wasm_bindgen(js_name = jumpBorder)]
     pub fn jump_border(&self) -> Vec<f64> {
-        const STEPS: u32 = 64;
-        let core = self.shared.core();
-        let [_, range] = core.parameters() else {
-            return Vec::new();
-        };
-        let place = |step| range.min + (range.max - range.min) * f64::from(step) / f64::from(STEPS);
-        (0..=STEPS)
-            .map(place)
-            .filter_map(|confinement| Some([confinement, core.jump_curve().within(confinement)?]))
-            .flatten()
-            .collect()
+        let points = self.shared.core().jump_curve().points();
+        points.flat_map(|point: [f64; 2]| point).collect()
     }
 
     /// The parameters to suggest instead of those outside the domain: each moved into its range, and Ca below the

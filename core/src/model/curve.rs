@@ -13,6 +13,11 @@ impl<'a> Curve<'a> {
         Self(points.blob.data.as_chunks().0.as_chunks().0)
     }
 
+    /// The points (a/l, Ca).
+    pub fn points<T: Real>(self) -> impl Iterator<Item = [T; 2]> + use<'a, T> {
+        (0..self.0.len()).map(move |row| self.point(row))
+    }
+
     fn point<T: Real>(&self, row: usize) -> [T; 2] {
         let point = self.0.get(row).copied().unwrap_or_default();
         point.map(|bytes| T::from_f32(f32::from_le_bytes(bytes)))

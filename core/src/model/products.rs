@@ -210,6 +210,7 @@ impl MatrixView<'_> {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::ProductScalar;
     use crate::model::panels::Layout;
     use crate::model::quantized::QuantizedVectors;
     use crate::model::wire::{Encoding, Matrix, Widths};

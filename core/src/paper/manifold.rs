@@ -1,5 +1,6 @@
 //! xi = M(alpha, t): the learned quasi-static equilibrium (section 3.4.4 of the paper, eqs. 44 to 46).
 
+use super::snapshot::Snapshot;
 use super::times::Times;
 use super::window::{NEAR, OTHERS, Window, dot3, product, subtract};
 use crate::Real;
@@ -16,23 +17,6 @@ pub(crate) struct Manifold<T, const M: usize> {
     window: Window<T, M>,
     /// Number of local coordinates, the translation's among them; the entries beyond are 0.
     rank: usize,
-}
-
-/// A snapshot in local coordinates.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Snapshot<T, const M: usize> {
-    pub(crate) alpha: [T; M],
-    pub(crate) xi: [T; M],
-    /// Q xi, the rate of alpha (eq. 47).
-    pub(crate) rate: [T; M],
-}
-
-impl<T: Real, const M: usize> Snapshot<T, M> {
-    pub(crate) const ZERO: Self = Self {
-        alpha: [T::ZERO; M],
-        xi: [T::ZERO; M],
-        rate: [T::ZERO; M],
-    };
 }
 
 impl<T: Real, const M: usize> Manifold<T, M> {

@@ -5,6 +5,7 @@
 pub(crate) mod basis;
 pub(crate) mod dynamics;
 mod manifold;
+mod snapshot;
 pub(crate) mod times;
 mod window;
 

@@ -7,7 +7,7 @@
 //! because they are orthonormal: with a scale each, the smallest modes, which hardly move, would dominate and the state
 //! would diverge. A floor of the shape's scale keeps a window in which the shape is at rest from amplifying a deviation.
 
-use super::manifold::Snapshot;
+use super::snapshot::Snapshot;
 use super::times::Times;
 use crate::Real;
 use crate::interpolate::weight;

@@ -3,8 +3,7 @@
 use anyhow::Result;
 use capsule_core::Real;
 use capsule_core::mechanics::Deformation;
-use capsule_database::fields::Instant;
-use capsule_database::vtu::PointData;
+use capsule_database::{Instant, PointData};
 use capsule_fom::mechanics::Mechanics;
 use capsule_fom::{Outcome, Solver};
 use clap::ValueEnum;

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all, alone or together.
+//! Files that are written whole or not at all, alone or together.
 
 use std::fs::File;
 use std::io::{ErrorKind, Write};
@@ -29,8 +29,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), DatabaseError> {
     sync(directory)
 }
 
-/// Files and folders that appear together: each is written into a hidden folder beside its target, and
-/// [`Staging::finish`] renames all of them. What is not finished leaves nothing behind.
+/// Files and folders that are written together: each is written into a hidden folder next to its target, and
+/// [`Staging::finish`] renames all of them. An unfinished staging leaves nothing behind.
 ///
 /// Links are followed. A device or a pipe cannot be renamed over: it receives the content of the file.
 #[derive(Debug, Default)]
@@ -40,7 +40,7 @@ pub struct Staging {
 
 #[derive(Debug)]
 struct Staged {
-    /// Removes what is left in it when it is dropped.
+    /// Removes its remaining content when it is dropped.
     _hidden: TempDir,
     place: PathBuf,
     target: PathBuf,
@@ -53,7 +53,7 @@ impl Staging {
     /// there, and replaces files of the same names.
     ///
     /// # Errors
-    /// [`DatabaseError::Io`] when the place beside the target cannot be written.
+    /// [`DatabaseError::Io`] when the folder of the target cannot be written.
     pub fn place(&mut self, target: &Path) -> Result<PathBuf, DatabaseError> {
         // The paths `.` and `..` have no name.
         let name = target
@@ -90,16 +90,16 @@ impl Staging {
     /// The files that [`Staging::finish`] makes or replaces.
     ///
     /// # Errors
-    /// [`DatabaseError::Io`] for what was not written to its place.
+    /// [`DatabaseError::Io`] for a file that was not written.
     pub fn targets(&self) -> Result<Vec<PathBuf>, DatabaseError> {
         Ok(self.files()?.into_iter().map(|(_, target)| target).collect())
     }
 
-    /// Brings everything onto the disk and to its target.
+    /// Flushes all files to the disk and moves them to their targets.
     ///
     /// # Errors
-    /// [`DatabaseError::Io`] for what was not written to its place, for a file where a folder is or the other way
-    /// round, and when the system refuses. Nothing is renamed unless all is on the disk.
+    /// [`DatabaseError::Io`] for a file that was not written, for a file where a folder is or the other way round, and
+    /// for errors of the system. Nothing is renamed unless all files are on the disk.
     pub fn finish(self) -> Result<(), DatabaseError> {
         let files = self.files()?;
         for (place, target) in &files {
@@ -184,7 +184,7 @@ pub fn followed(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let follow = |there: &Path| {
         let canonical = there.canonicalize().ok()?;
-        // Nothing is added to the path itself, which would end it with a separator.
+        // Joining an empty rest would end the path with a separator.
         let rest = absolute.strip_prefix(there).ok()?;
         Some(if rest.as_os_str().is_empty() {
             canonical
@@ -220,13 +220,13 @@ fn hidden() -> tempfile::Builder<'static, 'static> {
     builder
 }
 
-/// Something temporary is private by default; a result is as readable as the user's umask lets it be.
+/// Temporary files are private by default; a result gets the permissions of the user's umask.
 #[cfg(unix)]
 fn readable(mode: u32) -> std::fs::Permissions {
     std::os::unix::fs::PermissionsExt::from_mode(mode)
 }
 
-/// Brings what was renamed in `directory` onto the disk.
+/// Flushes the renamed entries of `directory` to the disk.
 fn sync(directory: &Path) -> Result<(), DatabaseError> {
     if cfg!(unix) {
         File::open(directory)

@@ -1,7 +1,7 @@
-//! The effect of the bending stiffness, where it has been computed: `bending.csv` beside the snapshots.
+//! The effect of the bending stiffness, where it has been computed: `bending.csv` in the folder of the snapshots.
 //!
-//! The full-order model resists bending so that its solutions converge; the membrane that it stands for does not. The
-//! file says by how much the solution with the database's stiffness differs from that without.
+//! The full-order model resists bending so that its solutions converge; the modelled membrane does not. The file holds
+//! the difference between the solutions with the database's stiffness and without.
 
 use std::path::PathBuf;
 
@@ -61,7 +61,7 @@ impl Database {
         rows.collect()
     }
 
-    /// Writes the effect of the bending stiffness beside the snapshots.
+    /// Writes the effect of the bending stiffness into the folder of the snapshots.
     ///
     /// # Errors
     /// [`DatabaseError::Io`].

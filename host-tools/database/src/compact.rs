@@ -88,7 +88,7 @@ type Columns<'a> = dyn Fn(&[Row], usize) -> Vec<Row> + 'a;
 
 /// The greatest number of columns.
 const COLUMNS: usize = 7;
-/// How many past differences predict a velocity, and how many a position.
+/// Numbers of past differences that predict a velocity and a position.
 const PAST: [usize; 2] = [6, 2];
 /// The constant in the axial direction. With coefficients up to 128 it takes any translation.
 const AXIAL: [i64; 3] = [1 << 14, 0, 0];

@@ -20,13 +20,13 @@ pub struct Entry {
     pub parameters: Vec<f64>,
     /// How its simulation ended.
     pub status: Status,
-    /// How many snapshots are stored; 0 when only the status was recorded.
+    /// Number of stored snapshots; 0 when only the status was recorded.
     pub snapshots: usize,
     /// The file's name in the directory.
     pub file: String,
 }
 
-/// A database on disk. Several threads may read and write it; what they write appears file by file.
+/// A database on disk. Several threads may read and write it; each file appears atomically.
 #[derive(Debug, Clone)]
 pub struct Database {
     directory: PathBuf,
@@ -37,7 +37,7 @@ pub struct Database {
 
 impl Database {
     /// Creates a database in `directory`, or opens the one that is there with the same description and mesh, so that an
-    /// interrupted sweep goes on.
+    /// interrupted sweep can be resumed.
     ///
     /// # Errors
     /// [`DatabaseError::Different`] when another database is there; [`DatabaseError::BadMesh`];
@@ -63,7 +63,7 @@ impl Database {
         std::fs::create_dir_all(directory).map_err(DatabaseError::io("create", directory))?;
         let symmetry = Symmetry::detect(&mesh.nodes);
         mesh_file::write(&directory.join("mesh.npz"), &mesh, &symmetry)?;
-        // Last, because it is what makes the directory a database.
+        // Last, because this file makes the directory a database.
         description.write(directory)?;
         Ok(Database {
             directory: directory.to_path_buf(),
@@ -76,8 +76,7 @@ impl Database {
     /// Opens the database in `directory`.
     ///
     /// # Errors
-    /// [`DatabaseError::NotADatabase`], [`DatabaseError::WrongVersion`], or what is wrong with `database.json` or
-    /// `mesh.npz`.
+    /// [`DatabaseError::NotADatabase`], [`DatabaseError::WrongVersion`], or an error of `database.json` or `mesh.npz`.
     pub fn open(directory: &Path) -> Result<Self, DatabaseError> {
         let description = Description::read(directory)?;
         let (mesh, symmetry) = mesh_file::read(&directory.join("mesh.npz"))?;
@@ -180,7 +179,7 @@ impl Database {
     /// All configurations, ascending in their parameters, without their snapshots.
     ///
     /// # Errors
-    /// [`DatabaseError::Io`] when the directory cannot be read, or what is wrong with a file.
+    /// [`DatabaseError::Io`] when the directory cannot be read, or an error of a file.
     pub fn entries(&self) -> Result<Vec<Entry>, DatabaseError> {
         let mut entries = Vec::new();
         for file in self.files()? {
@@ -210,7 +209,7 @@ impl Database {
     /// The snapshots of one configuration, at all nodes.
     ///
     /// # Errors
-    /// [`DatabaseError::UnknownConfiguration`] when it has no snapshots here, or what is wrong with its file.
+    /// [`DatabaseError::UnknownConfiguration`] when it has no snapshots here, or an error of its file.
     pub fn read(&self, parameters: &[f64]) -> Result<Trajectory, DatabaseError> {
         let unknown = || {
             let (path, parameters) = (self.directory.clone(), parameters.to_vec());
@@ -230,7 +229,7 @@ impl Database {
         let centroid = reader.vector("centroid", instants)?;
         let pressure_drop = reader.vector("pressure_drop", instants)?;
         let planes: ArrayD<u8> = reader.array("velocities", &[None, instants, None, Some(3)])?;
-        // A file holds the sector or all nodes; which, its own shape says.
+        // The shape of the array tells whether the file holds the sector or all nodes.
         let (all, sector) = (self.mesh.nodes.len(), self.symmetry.sector.len());
         let kept = if planes.shape()[2] == sector { sector } else { all };
         let mut code = |name| -> Result<(Array4<u8>, Array2<i32>), DatabaseError> {

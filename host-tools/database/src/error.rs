@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// An error of a database: what was wrong, where, and what would be right.
+/// An error of a database, with its place and the expected value.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatabaseError {
@@ -22,7 +22,7 @@ pub enum DatabaseError {
         /// The directory.
         path: PathBuf,
     },
-    /// A row of a table is not what it should be.
+    /// A malformed row of a table.
     #[error("{}: row {row} below the heading: expected {expected}", path.display())]
     BadRow {
         /// The table.
@@ -83,7 +83,7 @@ pub enum DatabaseError {
         /// The reason.
         reason: String,
     },
-    /// An array that the format asks for is not in the file.
+    /// A required array is missing in the file.
     #[error("{}: array `{name}` of shape {expected} is missing", path.display())]
     MissingArray {
         /// The file.
@@ -111,7 +111,7 @@ pub enum DatabaseError {
         /// The path.
         path: PathBuf,
     },
-    /// A text file does not hold what it should.
+    /// A malformed text file.
     #[error("{}: {reason}", path.display())]
     Malformed {
         /// The file.
@@ -119,10 +119,10 @@ pub enum DatabaseError {
         /// The element types found and expected.
         reason: String,
     },
-    /// A collection does not hold what it should.
+    /// A malformed collection.
     #[error("{reason}")]
     BadCollection {
-        /// The array, the place in it, what was found and what was expected.
+        /// The array, the index in it, the value found and the value expected.
         reason: String,
     },
     /// An array has the wrong element type.
@@ -188,13 +188,13 @@ pub enum DatabaseError {
     UnknownConfiguration {
         /// The directory.
         path: PathBuf,
-        /// The configuration asked for.
+        /// The requested configuration.
         parameters: Vec<f64>,
     },
-    /// An instant was asked for that was not stored.
+    /// A requested instant is not stored.
     #[error("no snapshot at t = {time}; the trajectory ends at t = {end} and its state there is {status}")]
     NoSnapshot {
-        /// The instant asked for.
+        /// The requested instant.
         time: f64,
         /// The last stored instant.
         end: f64,

@@ -4,36 +4,9 @@ use std::path::Path;
 
 use ndarray::{Array1, Array2, Array3};
 
-use crate::error::{finite, length};
+use crate::instant::Instant;
 use crate::npz::{Writer, rows, triangles};
-use crate::vtu::PointData;
 use crate::{DatabaseError, Mesh, atomic, table};
-
-/// The nodes at an instant.
-#[derive(Debug, Clone)]
-pub struct Instant<'a> {
-    /// When, in l/V.
-    pub time: f64,
-    /// Where, one position a node.
-    pub positions: &'a [[f64; 3]],
-    /// Other quantities; the same at every instant.
-    pub data: Vec<PointData<'a>>,
-}
-
-impl Instant<'_> {
-    /// Checks that there are as many quantities as in the `first` instant, with one finite value a node.
-    fn validate(&self, nodes: usize, first: &Instant) -> Result<(), DatabaseError> {
-        length("quantities of an instant", first.data.len(), self.data.len())?;
-        length("positions of an instant", nodes, self.positions.len())?;
-        finite("positions of an instant", self.positions.as_flattened())?;
-        for quantity in &self.data {
-            let (name, components, values) = quantity.parts();
-            length(&format!("values of `{name}`"), nodes * components, values.len())?;
-            finite(&format!("`{name}`"), values)?;
-        }
-        Ok(())
-    }
-}
 
 /// Writes one row an instant and node: `t`, `node`, `x`, `y`, `z`, then the quantities, vectors as `NAME_x`, `NAME_y`,
 /// `NAME_z`. `title` becomes a comment in the first line.
@@ -101,6 +74,7 @@ pub fn write_npz(path: &Path, mesh: &Mesh, instants: &[Instant]) -> Result<(), D
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::PointData;
     use crate::mesh::tests::octahedral;
     use crate::npz::Reader;
 

@@ -20,7 +20,7 @@ impl Merge {
     ///
     /// # Errors
     /// [`DatabaseError::NothingToMerge`], [`DatabaseError::Different`] with the setting, [`DatabaseError::Conflict`]
-    /// with the file, or what is wrong with a part.
+    /// with the file, or an error of a part.
     pub fn gather(directories: &[PathBuf]) -> Result<Self, DatabaseError> {
         let parts: Vec<Database> = directories
             .iter()

@@ -18,7 +18,7 @@ pub(crate) fn write(path: &Path, mesh: &Mesh, symmetry: &Symmetry) -> Result<(),
     writer.add("sector", &Array1::from(symmetry.sector.clone()))?;
     writer.add("representative", &Array1::from(symmetry.representative.clone()))?;
     writer.add("operation", &Array1::from(symmetry.operation.clone()))?;
-    // For readers in other languages: what each of the eight operations does.
+    // For readers in other languages: the matrix of each of the eight operations.
     writer.add("operations", &Array3::from_shape_fn((8, 3, 3), matrix))?;
     writer.finish()
 }

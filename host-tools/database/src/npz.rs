@@ -1,4 +1,4 @@
-//! NPZ archives: arrays by name, with errors that say which array and which shape.
+//! NPZ archives: arrays by name, with errors that name the array and its shape.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor};

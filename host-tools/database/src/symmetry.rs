@@ -30,7 +30,7 @@ pub struct Symmetry {
     pub sector: Vec<u32>,
     /// For each node, the index INTO `sector` of the node that it is an image of.
     pub representative: Vec<u32>,
-    /// For each node, the operation that takes its representative to it.
+    /// For each node, the operation that maps its representative to it.
     pub operation: Vec<u8>,
 }
 

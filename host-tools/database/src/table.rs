@@ -26,12 +26,12 @@ where
     for row in rows {
         writer.write_record(row).map_err(unequal)?;
     }
-    // It is flushed into memory, which takes everything.
+    // Dropping flushes into memory, which cannot fail.
     drop(writer);
     Ok(text)
 }
 
-/// A writer into memory refuses nothing but rows of other lengths.
+/// A writer into memory only fails for rows of unequal length.
 fn unequal(error: csv::Error) -> DatabaseError {
     let (expected, found) = match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => (*expected_len as usize, *len as usize),

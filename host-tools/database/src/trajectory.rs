@@ -1,4 +1,4 @@
-//! One configuration in memory: where every node was, and how fast, at each stored instant.
+//! One configuration in memory: position and velocity of every node at each stored instant.
 
 use serde::{Deserialize, Serialize};
 
@@ -70,7 +70,7 @@ impl Trajectory {
     /// every number is finite.
     ///
     /// # Errors
-    /// The first thing that is wrong, by name.
+    /// The first error found, with the name of the array.
     pub fn validate(&self, nodes: usize) -> Result<(), DatabaseError> {
         finite("parameters", &self.parameters)?;
         finite("times", &self.times)?;

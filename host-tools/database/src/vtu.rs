@@ -7,32 +7,13 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
 use crate::error::{finite, length};
-use crate::fields::Instant;
+use crate::instant::{Instant, PointData};
 use crate::{DatabaseError, Mesh, atomic};
 
 /// VTK's cell type of a six-node triangle; its node order is that of [`Mesh::elements`].
 pub(crate) const QUADRATIC_TRIANGLE: u8 = 22;
 /// VTK's cell type of a flat triangle.
 pub(crate) const TRIANGLE: u8 = 5;
-
-/// A quantity at the nodes.
-#[derive(Debug, Clone, Copy)]
-pub enum PointData<'a> {
-    /// One number a node.
-    Scalar(&'a str, &'a [f64]),
-    /// One vector a node.
-    Vector(&'a str, &'a [[f64; 3]]),
-}
-
-impl PointData<'_> {
-    /// Name, number of components, values.
-    pub(crate) fn parts(&self) -> (&str, usize, &[f64]) {
-        match self {
-            PointData::Scalar(name, values) => (name, 1, values),
-            PointData::Vector(name, values) => (name, 3, values.as_flattened()),
-        }
-    }
-}
 
 /// Writes the mesh with its nodes at `positions` as an XML VTU file with binary (base64) arrays.
 ///

@@ -44,7 +44,7 @@ struct Projection {
     influence: Vec<Vec<f64>>,
 }
 
-/// The work space of an evaluation, and what it found.
+/// The workspace of an evaluation, and its results.
 #[derive(Debug, Clone, Default)]
 pub struct HarmonicState {
     /// Coefficients of the shape.

@@ -268,7 +268,7 @@ impl Grid {
         self.len() == 0
     }
 
-    /// The solid angle that a point stands for.
+    /// The solid angle of a point.
     pub fn weight(&self, point: usize) -> f64 {
         self.weights[point / self.azimuths]
     }

@@ -50,7 +50,7 @@ pub enum FomError {
         mesh::MAX_FREQUENCY
     )]
     MeshFrequency {
-        /// The frequency asked for.
+        /// The requested frequency.
         frequency: usize,
     },
     /// The harmonics are too many for the mesh.
@@ -59,7 +59,7 @@ pub enum FomError {
          the mesh frequency at most"
     )]
     Degree {
-        /// The degree asked for.
+        /// The requested degree.
         degree: usize,
     },
     /// The snapshots are too many to keep.
@@ -133,7 +133,7 @@ pub enum FomError {
     },
 }
 
-/// Why the velocity of a surface cannot be found.
+/// Errors of evaluating the velocity of a surface.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluationError {

@@ -93,7 +93,7 @@ fn profile(outline: &[u32], positions: &[[f64; 3]]) -> Vec<[f64; 2]> {
     outline.iter().map(point).collect()
 }
 
-/// The greatest value along an outline, refined by a parabola. Beyond a pole the outline goes on as its mirror image.
+/// The greatest value along an outline, refined by a parabola. Beyond a pole the outline continues as its mirror image.
 fn greatest(profile: &[[f64; 2]], value: impl Fn([f64; 2]) -> f64) -> f64 {
     let values: Vec<f64> = profile.iter().map(|&point| value(point)).collect();
     let Some(i) = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])) else {

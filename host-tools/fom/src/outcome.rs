@@ -16,7 +16,7 @@ pub enum Status {
     },
     /// Not steady at the end time.
     Unsteady,
-    /// Ended early: the solver could not go on, or the observer interrupted it.
+    /// Ended early: the solver could not continue, or the observer interrupted it.
     Stopped {
         /// When (l/V).
         time: f64,
@@ -90,13 +90,13 @@ pub struct Film {
 
 /// The distance of a velocity from its limit, estimated from its last values at equal intervals: its differences decay
 /// geometrically.
-fn velocity_to_come(history: &[f64]) -> f64 {
+fn remaining_change(history: &[f64]) -> f64 {
     let [.., a, b, c] = history else { return f64::INFINITY };
-    sum_to_come([(b - a).abs(), (c - b).abs()])
+    remaining_sum([(b - a).abs(), (c - b).abs()])
 }
 
 /// The sum of the terms of a geometric series after two of them.
-fn sum_to_come([before, last]: [f64; 2]) -> f64 {
+fn remaining_sum([before, last]: [f64; 2]) -> f64 {
     /// The largest ratio that counts as a decay.
     const SLOWEST: f64 = 0.99;
     let ratio = if last < SLOWEST * before {
@@ -108,10 +108,10 @@ fn sum_to_come([before, last]: [f64; 2]) -> f64 {
 }
 
 /// The largest estimate at the last instants: a velocity at its turning point seems at rest for a moment.
-fn foretold(history: &[f64], to_come: impl Fn(&[f64]) -> f64) -> f64 {
+fn largest_estimate(history: &[f64], estimate: impl Fn(&[f64]) -> f64) -> f64 {
     const INSTANTS: usize = 5;
     let ends = history.len().saturating_sub(INSTANTS - 1)..=history.len();
-    ends.map(|end| to_come(&history[..end])).fold(0.0, f64::max)
+    ends.map(|end| estimate(&history[..end])).fold(0.0, f64::max)
 }
 
 /// Collects snapshots and detects the steady state.
@@ -202,9 +202,9 @@ impl Record {
     pub(crate) fn is_finished(&self, settings: &Settings) -> bool {
         let time = self.outcome.times.last().copied().unwrap_or_default();
         let left = settings.end_time - time;
-        let place = left * foretold(&self.outcome.history.centroid_velocity, velocity_to_come);
-        let shape = foretold(&self.residuals, |residuals| match residuals {
-            [.., before, last] => (settings.snapshot_interval * sum_to_come([*before, *last])).min(left * last),
+        let place = left * largest_estimate(&self.outcome.history.centroid_velocity, remaining_change);
+        let shape = largest_estimate(&self.residuals, |residuals| match residuals {
+            [.., before, last] => (settings.snapshot_interval * remaining_sum([*before, *last])).min(left * last),
             _ => f64::INFINITY,
         });
         time >= settings.steady.earliest_end
@@ -230,12 +230,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_velocity_to_come_is_that_of_a_geometric_decay() {
+    fn the_remaining_change_is_that_of_a_geometric_decay() {
         let history: Vec<f64> = (0..4).map(|i| 1.3 - 0.01 * 0.85_f64.powi(i)).collect();
-        assert!((velocity_to_come(&history) - 0.01 * 0.85_f64.powi(3)).abs() < 1e-12);
-        // Two values say nothing; growing differences are taken as hardly decaying ones.
-        assert_eq!(velocity_to_come(&history[..2]), f64::INFINITY);
-        assert!(velocity_to_come(&[1.0, 1.1, 1.3]) > 10.0);
+        assert!((remaining_change(&history) - 0.01 * 0.85_f64.powi(3)).abs() < 1e-12);
+        // Two values give no estimate; growing differences count as slowly decaying ones.
+        assert_eq!(remaining_change(&history[..2]), f64::INFINITY);
+        assert!(remaining_change(&[1.0, 1.1, 1.3]) > 10.0);
     }
 
     #[test]
@@ -243,10 +243,10 @@ mod tests {
         // 1 + exp(-t) - 2 exp(-2 t) rises to its greatest value at t = ln 4 and falls from there.
         let velocity = |i: i32| 1.0 + (-0.2 * f64::from(i)).exp() - 2.0 * (-0.4 * f64::from(i)).exp();
         let history: Vec<f64> = (0..60).map(velocity).collect();
-        // At the turn alone it seems at rest; what it has foretold for a while is of the size of what is to come.
+        // At the turn alone it seems at rest; the estimates before it are of the size of the remaining change.
         let turn = &history[..8];
-        assert!(velocity_to_come(turn) < 0.1 * (history[7] - 1.0));
-        assert!(foretold(turn, velocity_to_come) > 0.5 * (history[7] - 1.0));
-        assert!(foretold(&history, velocity_to_come) < 1e-4);
+        assert!(remaining_change(turn) < 0.1 * (history[7] - 1.0));
+        assert!(largest_estimate(turn, remaining_change) > 0.5 * (history[7] - 1.0));
+        assert!(largest_estimate(&history, remaining_change) < 1e-4);
     }
 }

@@ -58,8 +58,8 @@ pub struct SteadyCriteria {
     pub normal_velocity: f64,
     /// Bound on the rate of the axial length (V).
     pub length_rate: f64,
-    /// A steady run goes on until moving with its last velocity to the end time is wrong by less than this (a), in
-    /// place and in shape, as the velocities of the last l/V foretell.
+    /// A steady run continues until a rigid motion with its last velocity to the end time would be wrong by less than
+    /// this (a), in place and in shape, by an estimate from the velocities of the last l/V.
     pub motion: f64,
     /// Nor does it end before this time (l/V): a buckle grows from round-off, out of a shape that seems steady.
     pub earliest_end: f64,

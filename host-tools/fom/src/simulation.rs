@@ -19,12 +19,12 @@ pub struct Solver {
     duct: Duct,
 }
 
-/// Where a run stands, after each accepted step.
+/// Progress of a run, after each accepted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Time reached (l/V).
     pub t: f64,
-    /// Time asked for (l/V); a steady run ends earlier.
+    /// End time of the settings (l/V); a steady run ends earlier.
     pub end_time: f64,
     /// Accepted steps.
     pub steps: usize,
@@ -60,7 +60,7 @@ impl Solver {
         &self.discretisation.mesh
     }
 
-    /// Mesh, symmetry and membrane, for the mechanics of what was run.
+    /// Mesh, symmetry and membrane, for the mechanics of the runs.
     pub fn discretisation(&self) -> &Discretisation {
         &self.discretisation
     }
@@ -83,7 +83,7 @@ impl Solver {
     /// Runs one configuration to its steady state or to the end time. `observer` is called after each step and may
     /// interrupt the run.
     ///
-    /// A run that cannot go on is not an error: it keeps its snapshots, with [`Status::Stopped`].
+    /// A run that cannot continue is not an error: it keeps its snapshots, with [`Status::Stopped`].
     ///
     /// # Errors
     /// As [`Solver::start`] and [`Solver::resume`].
@@ -175,7 +175,7 @@ impl Solver {
                 }
                 capsule.recentre(&mut state.value);
                 let residual = capsule.residual(&state.rate);
-                // A snapshot reads the last evaluation of the capsule, so it comes before the observer may interrupt the run.
+                // A snapshot reads the last evaluation, so it is taken before the observer may interrupt the run.
                 if state.time >= until {
                     record.snapshot(&self.outlines, self.settings.steady, &capsule, state);
                 }

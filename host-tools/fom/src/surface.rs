@@ -12,7 +12,7 @@ pub struct Patch {
     pub elements: Vec<[u32; 6]>,
     /// For each of those nodes its index in the sector, or [`Patch::OUTSIDE`].
     rows: Vec<[u32; 6]>,
-    /// How many mesh nodes each sector node stands for.
+    /// Number of mesh nodes that each sector node represents.
     pub multiplicities: Vec<f64>,
     points: [Point; 12],
     nodal_points: [Point; 6],

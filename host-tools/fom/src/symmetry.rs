@@ -105,7 +105,7 @@ impl Symmetry {
         }
     }
 
-    /// The number of mesh nodes that each sector node stands for.
+    /// Number of mesh nodes that each sector node represents.
     pub fn multiplicities(&self) -> Vec<f64> {
         let mut count = vec![0.0; self.sector.len()];
         for &s in &self.representative {

@@ -1,5 +1,5 @@
-//! The cost of work: by a number that counts what is done with it, which repeats exactly, and by the machine's peaks,
-//! which tell how near to its limit a measured time is.
+//! The cost of work: by a number type that counts its operations, which repeats exactly, and by the peak rates of the
+//! machine, to which measured times are compared.
 
 mod counted;
 mod peak;

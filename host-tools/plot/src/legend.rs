@@ -1,7 +1,7 @@
 //! The legend of a panel's colours: a line of entries, or more, between the title and the axes, where they hide
 //! nothing.
 
-use crate::lines::Mark;
+use crate::mark::Mark;
 use crate::{MARGIN, SMALL, TEXT, text};
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -81,7 +81,7 @@ impl Legend {
 /// Width of a text in the font that travels with the program; others are little wider.
 fn width_of(words: &str) -> u32 {
     let size = FontDesc::from((TEXT, f64::from(SMALL))).box_size(words);
-    // Without the font nothing can be drawn, and drawing says so.
+    // Without the font the drawing fails with its own error.
     size.map_or(0, |(width, _)| width + width / 10)
 }
 

@@ -12,10 +12,12 @@ mod axis;
 mod cells;
 mod legend;
 mod lines;
+mod mark;
 
 pub use axis::Axis;
 pub use cells::Cells;
-pub use lines::{Curve, Lines, Mark};
+pub use lines::{Curve, Lines};
+pub use mark::Mark;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -33,7 +35,7 @@ const Y_LABELS: u32 = 64;
 const TICK: u32 = 5;
 const LARGE: u32 = 16;
 const SMALL: u32 = 14;
-/// Pixels of a point: in a file of pixels, and in the text of an SVG, which has whole numbers only.
+/// Pixels of a point: in a PNG, and in an SVG, whose backend writes integers only.
 const FINE: u32 = 2;
 const FINEST: u32 = 10;
 const MAX_COLUMNS: usize = 2;
@@ -42,10 +44,10 @@ const TEXT: &str = "sans-serif";
 /// Errors of drawing and writing a figure.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The file name does not say which format is meant.
+    /// The file name has no known extension.
     #[error("cannot tell the format of {path}: the name must end in .svg or .png")]
     Format {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
     },
     /// The panel has nothing finite to show.
@@ -57,7 +59,7 @@ pub enum PlotError {
     /// Drawing or writing failed.
     #[error("could not draw {path}: {reason}")]
     Draw {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
         /// The error of the drawing library.
         reason: String,
@@ -74,7 +76,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the ending of `path` says: `.svg` or `.png`, in capitals too.
+    /// The format by the extension of `path`: `.svg` or `.png`, in upper or lower case.
     ///
     /// # Errors
     /// [`PlotError::Format`] for another ending.
@@ -107,7 +109,7 @@ impl Figure {
         Self { panels }
     }
 
-    /// Writes the figure in the [`Format`] that the ending of `path` says.
+    /// Writes the figure in the [`Format`] of the extension of `path`.
     ///
     /// # Errors
     /// An unknown ending, a panel without finite values, or a file that cannot be written.
@@ -240,7 +242,7 @@ where
     Ok(())
 }
 
-/// The fonts travel with the program, so that figures are the same on machines without any.
+/// The font is embedded, so that figures are the same on every machine.
 fn register_font() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

@@ -2,21 +2,11 @@
 
 use crate::axis::Axis;
 use crate::legend::{Entry, Legend};
+use crate::mark::Mark;
 use crate::{MARGIN, SMALL, TICK, TITLE, X_LABELS, Y_LABELS, text, title};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
-
-/// How the points of a series are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
-    /// Joined by straight lines.
-    Line,
-    /// As dots.
-    Dots,
-    /// As rings around what else is there.
-    Rings,
-}
 
 /// A named series of points. Series of one name have one colour and one entry in the legend.
 pub struct Curve {

@@ -54,7 +54,7 @@ pub enum StudyError {
     NothingToMeasure {
         /// Queries given.
         queries: usize,
-        /// Repetitions asked for.
+        /// The number of repetitions.
         repetitions: usize,
     },
 }

@@ -12,7 +12,7 @@ use crate::{StudyError, name};
 /// The errors of both methods.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The method that the model takes unless told otherwise.
+    /// The default method of the model.
     pub default: &'static str,
     /// The parameters' names.
     pub parameters: Vec<String>,

@@ -1,5 +1,5 @@
-//! How good a model is, and how fast: leave-one-out errors as in the paper's Fig. 13, run times, and
-//! where it stops to be stable.
+//! Accuracy and speed of a model: leave-one-out errors as in the paper's Fig. 13, errors on a test set, run times, and
+//! the limits of its stability.
 
 mod error;
 mod leave_one_out;

@@ -10,7 +10,7 @@ use crate::speed::{Timing, time};
 use crate::task::{Asker, Question, Task, tasks};
 use crate::touched::touched;
 
-/// Bytes of the model that are told apart: a few cache lines.
+/// Resolution of the bytes of the model: a few cache lines.
 const BLOCK: usize = 256;
 
 /// Peak rates of this machine, on one core.
@@ -134,7 +134,7 @@ impl Counts {
     }
 }
 
-/// Asks one task once, for programs that count instructions.
+/// Runs one task once, for programs that count instructions.
 ///
 /// # Errors
 /// A question that the model refuses.

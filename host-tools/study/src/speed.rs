@@ -1,4 +1,4 @@
-//! How long the model takes to answer, on one core of this machine.
+//! Time per query, on one core of this machine.
 
 use std::time::Instant;
 
@@ -27,8 +27,8 @@ pub struct Timing {
 
 /// Times a task, in numbers of type `T` (f32 or f64), once for each question.
 ///
-/// Give many questions, at random: then branches are no better foreseen than where a person asks, and nothing is
-/// answered from what the workspace still holds. The first tenth of them is asked but not timed.
+/// Pass many random questions, so that branches are no better predicted than in use, and no answer is already in the
+/// workspace. The first tenth warms up and is not timed.
 ///
 /// # Errors
 /// [`StudyError::NothingToMeasure`] for fewer than two questions; [`StudyError::Evaluate`] when the model refuses one.

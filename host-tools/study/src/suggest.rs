@@ -1,4 +1,4 @@
-//! Which configurations to compute next: those at which a model expects to err most.
+//! The configurations to compute next: those where a model expects its largest errors.
 
 use capsule_core::interpolate::{Coordinates, Weights};
 use capsule_core::model::MatrixView;
@@ -12,13 +12,13 @@ use crate::{StudyError, TestSetErrors, test_set};
 /// Candidates along each parameter.
 const CANDIDATES: usize = 32;
 
-/// The error that is expected where nothing is known, as a fraction of a.
+/// The expected error where no sample is near, as a fraction of a.
 const UNKNOWN: f64 = 1.0;
 
-/// The most samples that take part in an interpolation: the default capacity of the core's workspace.
+/// The largest number of samples in an interpolation: the default capacity of the core's workspace.
 const NEIGHBOURS: usize = 32;
 
-/// A configuration that is worth computing.
+/// A suggested configuration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suggestion {
     /// Its parameters.
@@ -27,11 +27,12 @@ pub struct Suggestion {
     pub expected_percent: f64,
 }
 
-/// The `count` configurations of the model's domain at which it expects to err most, each with those before it added.
+/// The `count` configurations of the model's domain with the largest expected errors; each counts the ones before it as
+/// computed.
 /// The error is the greatest over the instants up to `until`.
 ///
-/// A new sample makes the interpolation around it more certain, and its own share of error is what its neighbours' are:
-/// so the suggestions spread, and no solution needs to be known.
+/// A new sample reduces the deviation around it, and its error ratio is taken from its neighbours: so the suggestions
+/// spread, and no solution needs to be known.
 ///
 /// # Errors
 /// [`StudyError::Evaluate`] where samples are too close to each other.
@@ -53,7 +54,7 @@ fn candidates(model: &Model) -> Vec<Parameters<f64>> {
         } else {
             low + share * (high - low)
         };
-        // As precise as file names are.
+        // The precision of file names.
         (value * 1e5).round() / 1e5
     };
     let all = 0..CANDIDATES.pow(ranges.len() as u32);
@@ -74,7 +75,7 @@ struct Estimator<'m> {
 
 struct Cluster {
     range: [f64; 2],
-    /// Their parameters, by rising last one.
+    /// Parameters of the samples, by rising last parameter.
     samples: Vec<Vec<f32>>,
     placed: PlacedSamples,
     /// The error of each sample, predicted by the others, over the deviation of that prediction.
@@ -116,7 +117,7 @@ impl<'m> Estimator<'m> {
                 worst / f64::from(deviations.get(j, 0))
             };
             let mut ratios: Vec<f64> = (0..samples.rows()).map(ratio).collect();
-            // A sample that the others could not predict at all says nothing of how the solution varies.
+            // A sample that the others cannot predict carries no information on the variation of the solution.
             let predicted = |j: &usize| (0..instants.rows()).all(|i| f64::from(left_out.get(*j, i)) < UNKNOWN);
             let known: Vec<f64> = (0..ratios.len()).filter(predicted).map(|j| ratios[j]).collect();
             let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
@@ -197,7 +198,7 @@ pub struct Replayed {
     pub errors: TestSetErrors,
 }
 
-/// Chooses a design anew out of a database that is there: starts with every `start`-th sample, adds `batch` at a time
+/// Chooses a design from the samples of a database: starts with every `start`-th sample, adds `batch` at a time
 /// where the model so far expects to err most in its domain, up to `most` samples, and compares each with a test set;
 /// and the paper's grid for comparison.
 ///
@@ -234,7 +235,7 @@ pub fn replay(
         let mut estimator = Estimator::new(&model, until);
         for _ in 0..batch.min(most - chosen.len()) {
             let left = (0..samples.len()).filter(|j| !chosen.contains(j));
-            // The domain is what is asked for; around it an estimate is an extrapolation, and always greater.
+            // Only the domain counts; around it an estimate is an extrapolation, and always greater.
             let left: Vec<(usize, Parameters<f64>)> = left
                 .filter_map(|j| Some((j, Parameters::new(samples[j])?)))
                 .filter(|(_, parameters)| model.domain(*parameters) == Ok(Domain::Inside))

@@ -27,7 +27,7 @@ pub enum What {
     Section,
     /// Positions of all nodes.
     Surface,
-    /// The same as a frame that follows another.
+    /// Positions of all nodes, one frame after another.
     Frame,
     /// Frames at [`INSTANTS`], evenly over the whole time.
     Trajectory,
@@ -37,13 +37,13 @@ pub enum What {
     Tensions,
 }
 
-/// At which instants.
+/// The instants of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum When {
     /// One at random.
     Once,
-    /// 0.02 time units after one that was looked at before.
+    /// 0.02 time units after the previous one.
     Next,
     /// The last, when the capsule has become steady.
     End,
@@ -54,9 +54,9 @@ pub enum When {
 pub struct Task {
     /// Its name.
     pub name: &'static str,
-    /// Whether the parameters are new, too; else they are prepared before.
+    /// Whether the parameters are new; else they are prepared before.
     pub new: bool,
-    /// At which instants.
+    /// Its instants.
     pub when: When,
     /// The quantities that it reads.
     pub what: What,
@@ -66,7 +66,7 @@ const fn task(name: &'static str, new: bool, when: When, what: What) -> Task {
     Task { name, new, when, what }
 }
 
-/// New parameters, and what is asked of them first.
+/// New parameters with the first query.
 pub const QUERIES: [Task; 6] = [
     task("prepare", true, When::Once, What::Nothing),
     task("new_observables", true, When::Once, What::Observables),
@@ -87,7 +87,7 @@ pub const SCENES: [Task; 7] = [
     task("next_frame", false, When::Next, What::Frame),
 ];
 
-/// All tasks that a model can be asked.
+/// All tasks that a model supports.
 pub fn tasks(model: &Model<'_>) -> impl Iterator<Item = Task> {
     let outline = model.node_set(MIDPLANE).is_some();
     let membrane = matches!(model.reference(), Reference::Sphere);
@@ -112,7 +112,7 @@ pub struct Question {
     pub t: f64,
 }
 
-/// So many questions at random, the same in every run.
+/// `count` random questions, the same in every run.
 ///
 /// # Errors
 /// [`StudyError::NothingToMeasure`] for a domain that chance does not find.
@@ -140,7 +140,7 @@ pub fn questions(model: &Model<'_>, count: usize) -> Result<Vec<Question>, Study
     }
 }
 
-/// Asks: a workspace, and room for answers.
+/// Runs tasks: a workspace, and buffers for the answers.
 #[derive(Clone, Debug)]
 pub struct Asker<T: Real> {
     method: Method,
@@ -154,7 +154,7 @@ pub struct Asker<T: Real> {
     section: Vec<Segment<T>>,
     tensions: Vec<[T; 2]>,
     observables: Option<Observables<T>>,
-    /// Entries of the answer in its room.
+    /// Length of the answer in its buffer.
     count: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Errors on configurations that no sample shares, and whether the errors that the model states are right.
+//! Errors on a test set, configurations that are not samples, and the calibration of the errors that the model states.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::leave_one_out::{InstantErrors, SampleErrors, instant_errors};
 use crate::{StudyError, name};
 
-/// The instants that are asked for unless others are, in l/V.
+/// The default instants of comparison, in l/V.
 pub const TEST_TIMES: [f64; 6] = [0.1, 1.0, 2.0, 4.0, 8.0, 20.0];
 
 /// The columns of a table of all errors.
@@ -28,13 +28,13 @@ pub(crate) const HEADING: [&str; 8] = [
 /// Errors of a model on configurations of a test set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TestSetErrors {
-    /// The method that the model takes unless told otherwise.
+    /// The default method of the model.
     pub default: &'static str,
-    /// How many configurations of the test set lie in the model's domain.
+    /// Number of configurations of the test set in the model's domain.
     pub samples: usize,
     /// For each method, the errors at each instant.
     pub methods: BTreeMap<&'static str, Vec<InstantErrors>>,
-    /// For each method, what the model states of its errors.
+    /// For each method, the model's own estimates of its errors.
     pub stated: BTreeMap<&'static str, Stated>,
     /// Errors of the interpolation of direct evaluation alone, without the compression of the model file, at each
     /// instant; empty unless asked for.
@@ -45,7 +45,7 @@ pub struct TestSetErrors {
     pub compared: BTreeMap<&'static str, Vec<Comparison>>,
 }
 
-/// How right the stated errors are, and two invariants.
+/// Calibration of the stated errors, and two invariants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stated {
     /// Share of the errors below the stated 95 % bound, in per cent: at all instants together.
@@ -72,7 +72,7 @@ pub struct InstantStated {
 }
 
 /// Compares a model with the configurations of a test set that lie in its domain, at those of the `times` (l/V) at
-/// which it has snapshots; and, with the `samples` that it was built from, these as they are interpolated.
+/// which it has snapshots. With the `samples` that it was built from, also the error of their interpolation alone.
 ///
 /// # Errors
 /// Those of the databases; [`StudyError::NothingToCompare`] if none lies in the domain.

@@ -1,4 +1,4 @@
-//! Which parts of a model file an answer depends on, found without looking into the core: by spoiling the others.
+//! The parts of a model file on which an answer depends, found from outside the core by overwriting the others.
 
 use capsule_core::{EvaluateError, Method, Model};
 

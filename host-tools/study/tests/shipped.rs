@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use capsule_core::Model;
+use capsule_core::{Domain, EvaluateError, Evaluator, Method, Model, Query, Workspace};
 use capsule_database::Database;
 use capsule_study::{TEST_TIMES, TestSetErrors, test_set};
 
@@ -81,4 +81,33 @@ fn errors_and_their_bounds_stay_as_good_as_they_are() {
             );
         }
     }
+}
+
+#[test]
+fn no_expected_error_is_above_the_bound() {
+    let model = Model::open(include_bytes!("../../../models/capsule.crom")).unwrap();
+    let mut workspace = Workspace::<f32>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let mut inside = 0;
+    for (i, method) in (0..400).flat_map(|i| [(i, Method::Direct), (i, Method::Paper)]) {
+        let [ca, confinement] = [
+            0.005 + 0.195 * (i % 20) as f32 / 19.0,
+            0.75 + 0.45 * (i / 20) as f32 / 19.0,
+        ];
+        match evaluator.prepare(&Query::new([ca, confinement], method)) {
+            Ok(domain) => assert_eq!(domain, Domain::Inside),
+            Err(EvaluateError::BeyondSteadyLimit { .. }) => continue,
+            Err(error) => panic!("{error}"),
+        }
+        inside += 1;
+        for t in [0.0, 0.33, 1.0, 4.2, 8.0, 13.0] {
+            let mut instant = evaluator.at(t).unwrap();
+            let (expected, bound) = (instant.expected_error().unwrap(), instant.error_bound().unwrap());
+            assert!(
+                0.0 < expected && expected <= bound,
+                "{ca} {confinement} {t} {method:?}: {expected} {bound}"
+            );
+        }
+    }
+    assert!(inside > 300, "{inside}");
 }

@@ -64,7 +64,7 @@ pub fn checks() -> Result<Vec<Check>, ValidationError> {
 /// Force and traction at the nodes.
 type Seen = (Vec<[f64; 3]>, Vec<[f64; 3]>);
 
-/// A fluid that only takes notice of the membrane's force and traction.
+/// A fluid at rest that records the membrane's force and traction.
 #[derive(Default)]
 struct Witness {
     seen: Mutex<Seen>,

@@ -46,8 +46,8 @@ const REFERENCE: f64 = 1e-9;
 /// Longest step of the stabilised scheme (l/V).
 const MAX_STEP: f64 = 0.2;
 
-/// Runs one configuration to the end time of `settings` with each of `integrators`. `progress` hears how many runs are
-/// done, and of how many.
+/// Runs one configuration to the end time of `settings` with each of `integrators`. `progress` receives the number of
+/// finished runs and of all.
 ///
 /// # Errors
 /// [`ValidationError`] when settings or configuration are refused, or a run stops for another reason than its step.

@@ -1,7 +1,7 @@
 //! The conformance vectors: queries of the shipped model with the bits of this machine's answers.
 
 use crate::command::{command, run};
-use crate::{root, setup, target_directory, wasm};
+use crate::{root, setup, target_directory, targets};
 use anyhow::{Context, Result, anyhow, bail};
 use capsule_conformance::{Ask, Asker, Case, LONGEST_LINE, Precision, Text, check};
 use capsule_core::{Domain, Method, Model};
@@ -48,10 +48,10 @@ pub fn module() -> Result<PathBuf> {
     setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
         "cargo rustc --quiet --package capsule-conformance --crate-type cdylib --profile wasm --target {}",
-        wasm::TARGET
+        targets::WASM
     )))?;
     Ok(target_directory()
-        .join(wasm::TARGET)
+        .join(targets::WASM)
         .join("wasm/capsule_conformance.wasm"))
 }
 

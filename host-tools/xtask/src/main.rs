@@ -12,8 +12,10 @@ mod miri;
 mod mutants;
 mod notices;
 mod package;
+mod python;
 mod scenes;
 mod setup;
+mod targets;
 mod test;
 mod wasm;
 

@@ -152,7 +152,7 @@ fn linked(package: &str, target: &str) -> Result<BTreeSet<Crate>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{package, wasm};
+    use crate::{package, targets};
 
     /// Cargo's own list of the linked crates.
     fn tree(package: &str, target: &str) -> BTreeSet<String> {
@@ -176,9 +176,9 @@ mod tests {
         let host = package::host().unwrap();
         for (package, target) in [
             ("capsule-capi", &*host),
-            ("capsule-capi", package::CORTEX_M),
-            ("capsule-capi", package::CORTEX_M33),
-            ("capsule-wasm", wasm::TARGET),
+            ("capsule-capi", targets::CORTEX_M),
+            ("capsule-capi", targets::CORTEX_M33),
+            ("capsule-wasm", targets::WASM),
         ] {
             let (tree, notices) = (tree(package, target), of(package, target).unwrap());
             assert!(tree.len() > 8, "{tree:?}");

@@ -2,15 +2,11 @@
 
 use crate::command::{command, output, run};
 use crate::setup::{self, Tool};
+use crate::targets::{CORTEX_M, CORTEX_M33};
 use crate::{header, notices, root, target_directory};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Cortex-M4F; the library runs on a Cortex-M7 too.
-pub const CORTEX_M: &str = "thumbv7em-none-eabihf";
-/// Cortex-M33 with the DSP extension and the floating-point unit; the library runs on a Cortex-M35P, M55 and M85 too.
-pub const CORTEX_M33: &str = "thumbv8m.main-none-eabihf";
 
 /// A static library of the interface.
 pub struct Library {
@@ -29,6 +25,21 @@ pub const DIRECT: Library = Library {
     name: "libcapsule_direct.a",
     features: "standalone,direct",
 };
+
+/// Templates of the descriptions for build systems, and their places in the archive: CMake, pkg-config, PlatformIO,
+/// Zephyr.
+const DESCRIPTIONS: [(&str, &str); 7] = [
+    ("capsule-config.cmake", "lib/cmake/capsule/capsule-config.cmake"),
+    (
+        "capsule-config-version.cmake.in",
+        "lib/cmake/capsule/capsule-config-version.cmake",
+    ),
+    ("capsule.pc.in", "lib/pkgconfig/capsule.pc"),
+    ("library.json.in", "library.json"),
+    ("zephyr/module.yml", "zephyr/module.yml"),
+    ("zephyr/CMakeLists.txt", "zephyr/CMakeLists.txt"),
+    ("zephyr/Kconfig", "zephyr/Kconfig"),
+];
 
 /// Builds the archives of this machine and of Cortex-M.
 pub fn package() -> Result<()> {
@@ -55,6 +66,10 @@ pub fn folder(target: &str) -> Result<PathBuf> {
         copy(&build(&library, target)?, &folder.join("lib").join(library.name))?;
     }
     copy(&header::path(), &folder.join("include/capsule.h"))?;
+    copy(&source.join("include/capsule.hpp"), &folder.join("include/capsule.hpp"))?;
+    for (template, place) in DESCRIPTIONS {
+        describe(&source.join("packaging").join(template), &folder.join(place))?;
+    }
     copy(&source.join("README.md"), &folder.join("README.md"))?;
     for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&root().join(licence), &folder.join(licence))?;
@@ -72,6 +87,14 @@ pub fn folder(target: &str) -> Result<PathBuf> {
         }
     }
     Ok(folder)
+}
+
+/// Writes a description for a build system: its template with the version.
+fn describe(template: &Path, place: &Path) -> Result<()> {
+    copy(template, place)?;
+    let text = fs::read_to_string(place).with_context(|| place.display().to_string())?;
+    let text = text.replace("@VERSION@", env!("CARGO_PKG_VERSION"));
+    fs::write(place, text).with_context(|| format!("could not write {}", place.display()))
 }
 
 /// Builds a static library for a target.

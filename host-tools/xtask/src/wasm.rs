@@ -2,12 +2,10 @@
 //! crate), then wasm-opt from the page's npm modules.
 
 use crate::command::{command, run};
+use crate::targets::WASM;
 use crate::{notices, root, setup, target_directory};
 use anyhow::{Context, Result};
 use std::path::Path;
-
-/// The target of browsers.
-pub const TARGET: &str = "wasm32-unknown-unknown";
 
 /// The features that rustc assumes of an engine, and the vectors of .cargo/config.toml; with more, wasm-opt writes
 /// modules that browsers refuse.
@@ -26,9 +24,9 @@ const RUSTC_FEATURES: [&str; 8] = [
 pub fn build() -> Result<()> {
     setup::bring(&[setup::WASM])?;
     run(&mut command(&format!(
-        "cargo build --quiet --package capsule-wasm --profile wasm --target {TARGET}"
+        "cargo build --quiet --package capsule-wasm --profile wasm --target {WASM}"
     )))?;
-    let module = target_directory().join(TARGET).join("wasm/capsule_wasm.wasm");
+    let module = target_directory().join(WASM).join("wasm/capsule_wasm.wasm");
     let folder = root().join("wasm/explorer/src/wasm");
     wasm_bindgen_cli_support::Bindgen::new()
         .input_path(&module)
@@ -36,7 +34,7 @@ pub fn build() -> Result<()> {
         .typescript(true)
         .generate(&folder)
         .with_context(|| format!("wasm-bindgen on {}", module.display()))?;
-    std::fs::write(folder.join(notices::FILE), notices::of("capsule-wasm", TARGET)?)
+    std::fs::write(folder.join(notices::FILE), notices::of("capsule-wasm", WASM)?)
         .with_context(|| format!("could not write {}", notices::FILE))?;
     optimise(&folder.join("capsule_wasm_bg.wasm"), "-O3")
 }

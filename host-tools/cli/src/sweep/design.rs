@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 use super::points;
+use super::row::Row;
 use super::rule::Rule;
 
 #[derive(Args)]
@@ -58,24 +59,6 @@ pub struct Shard {
     /// From 1 to `of`.
     index: usize,
     of: usize,
-}
-
-/// The configurations of one confinement.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    pub confinement: f64,
-    /// Rising.
-    pub capillary_numbers: Vec<f64>,
-}
-
-impl Row {
-    /// That of the row's capillary number `index`.
-    pub fn configuration(&self, index: usize) -> Configuration {
-        Configuration {
-            capillary_number: self.capillary_numbers[index],
-            confinement: self.confinement,
-        }
-    }
 }
 
 impl DesignOptions {

@@ -4,6 +4,7 @@ mod checkpoint;
 pub mod design;
 mod points;
 pub mod queue;
+pub mod row;
 pub mod rule;
 
 use crate::solver_options::SolverOptions;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use capsule_database::Entry;
 use capsule_fom::Configuration;
 
-use super::design::Row;
+use super::row::Row;
 use super::rule::Rule;
 
 /// Hands out configurations, each once, lowest capillary number first over all rows.

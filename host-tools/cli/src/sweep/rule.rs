@@ -7,7 +7,7 @@
 //! The next configurations are a function of the known results, and none is chosen that might turn out not to belong:
 //! the set of configurations does not depend on the order in which they are computed.
 
-use super::design::Row;
+use super::row::Row;
 
 /// How rows end.
 #[derive(Debug, Clone, Copy, PartialEq)]

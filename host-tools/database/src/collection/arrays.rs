@@ -1,4 +1,4 @@
-//! A collection from named arrays, whatever kind of file holds them.
+//! A collection from named arrays of any file format.
 
 use ndarray::ArrayD;
 use std::path::Path;

@@ -13,7 +13,7 @@
 //! | `parameter_names` | (P,) | optional texts |
 //! | `length_unit`, `time_unit` | () | optional texts |
 //!
-//! [`Collection::new`] checks what both kinds must be: one closed surface that moves.
+//! [`Collection::new`] checks both kinds: they must be one closed surface that moves.
 
 #[cfg(test)]
 mod array_tests;
@@ -240,7 +240,7 @@ impl Collection {
         (0..self.parameter_names.len()).map(range).collect()
     }
 
-    /// A digest of the numbers and names: FNV-1a, 64 bits. The same whatever kind of file they were read from.
+    /// A digest of the numbers and names: FNV-1a, 64 bits. It does not depend on the file format.
     #[must_use]
     pub fn digest(&self) -> u64 {
         let mut digest = 0xcbf2_9ce4_8422_2325u64;

@@ -1,12 +1,12 @@
-//! A dense matrix and its product with a vector: reading it from memory is what takes the time.
+//! A dense matrix and its product with a vector, whose time is that of reading the matrix from memory.
 
 use faer::Mat;
 use multiversion::multiversion;
 use multiversion::target::match_target;
 use rayon::prelude::*;
 
+use super::precision::Precision;
 use super::real::{Real, fused, total};
-use super::settings::Precision;
 use super::stokeslet::LANES;
 
 /// A matrix, row by row; each row is filled up with zeros to a multiple of [`LANES`].

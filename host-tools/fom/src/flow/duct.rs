@@ -197,8 +197,8 @@ impl Flow for Duct {
 #[cfg(test)]
 mod tests {
     use super::super::membrane_layer::MembraneQuadrature;
+    use super::super::precision::Precision;
     use super::super::quadrature::gauss_legendre;
-    use super::super::settings::Precision;
     use super::super::test_support::{Loaded, difference};
     use super::*;
 

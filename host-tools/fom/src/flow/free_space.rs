@@ -3,7 +3,7 @@
 use super::error::FlowError;
 use super::membrane_layer::{MembraneLayer, MembraneQuadrature, MembraneRules};
 use super::near::TargetBlocks;
-use super::settings::Precision;
+use super::precision::Precision;
 use super::{Flow, Membrane};
 
 /// The flow far from the membrane.

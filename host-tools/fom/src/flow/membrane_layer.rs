@@ -13,8 +13,8 @@ use super::error::FlowError;
 use super::far::Units;
 use super::near::{Ball, NearTargets, TargetBlocks, transpose};
 use super::patch::{Patch, PatchRule};
+use super::precision::Precision;
 use super::quadrature::TriangleRule;
-use super::settings::Precision;
 use super::stokeslet::{Sources, StokesletSums};
 
 /// How finely the layer of the membrane is integrated. Distances are from the centre of an element, or a part of one,

@@ -20,6 +20,7 @@ mod near;
 mod panel;
 pub mod patch;
 pub mod poiseuille;
+mod precision;
 pub mod quadrature;
 mod real;
 mod settings;
@@ -34,7 +35,8 @@ pub use error::FlowError;
 pub use free_space::{Background, FreeSpace};
 pub use membrane_layer::MembraneQuadrature;
 pub use poiseuille::Poiseuille;
-pub use settings::{DuctSettings, Precision};
+pub use precision::Precision;
+pub use settings::DuctSettings;
 
 /// The membrane as the fluid sees it.
 #[derive(Debug, Clone, Copy)]

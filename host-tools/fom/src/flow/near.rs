@@ -1,5 +1,5 @@
-//! Targets in compact blocks, which decide together what is far from them, and targets close to an element or a panel
-//! with what is added for them.
+//! Targets in compact blocks, which share one far-field decision, and targets close to an element or a panel with their
+//! corrections.
 
 use std::ops::Range;
 

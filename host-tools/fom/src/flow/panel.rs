@@ -28,7 +28,7 @@ pub struct PanelRule {
     halves: [Vec<f64>; 2],
 }
 
-/// Divisions stop here whatever the distance.
+/// Largest depth of the divisions, at any distance.
 const DEEPEST: usize = 24;
 /// Points along an edge in the rule for the panel that holds the target.
 const EDGE_POINTS: usize = 20;

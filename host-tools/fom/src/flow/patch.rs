@@ -60,7 +60,7 @@ impl Patch {
         Ball::around(&self.nodes)
     }
 
-    /// The four patches that the mid-edge nodes cut it into. A part of a P2 triangle is again P2: nothing is lost.
+    /// The four patches that the mid-edge nodes cut it into. A part of a P2 triangle is again P2, so this is exact.
     pub fn split(&self) -> [Self; 4] {
         // The nodes, those a quarter of the way along the edges, and those half-way between two mid-edge nodes.
         let mut points = [[0.0; FIELDS]; 15];

@@ -14,7 +14,7 @@ use super::error::FlowError;
 use super::far::Units;
 use super::near::{NearTargets, TargetBlocks, transpose};
 use super::panel::{LoadedPanel, Panel, PanelRule};
-use super::settings::Precision;
+use super::precision::Precision;
 use super::stokeslet::{Sources, StokesletSums};
 use crate::symmetry::apply;
 
@@ -148,7 +148,7 @@ impl Wall {
                             panel.integrals(&self.rule, apply(inverse(g), self.nodes[i]), self.reach)
                         };
                         for (k, [xx, yy, zz, xy, xz, yz]) in integrals.into_iter().enumerate() {
-                            // Column d: what a unit density in direction d gives, turned back by g.
+                            // Column d: the velocity of a unit density in direction d, rotated back by g.
                             let columns = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|c| apply(g, c));
                             for (d, column) in columns.iter().enumerate() {
                                 for row in 0..3 {
@@ -274,7 +274,7 @@ impl Wall {
     }
 }
 
-/// A division of a panel stops here, whatever the distance.
+/// Largest depth of the division of a panel, at any distance.
 const DEEPEST: usize = 24;
 
 fn inverted(operator: &Mat<f64>) -> Result<Mat<f64>, FlowError> {

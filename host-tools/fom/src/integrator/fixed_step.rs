@@ -11,7 +11,7 @@ pub enum Scheme {
     Ralston,
 }
 
-/// Integration with a fixed step, shortened only to land on the asked instant.
+/// Integration with a fixed step, shortened only to land on the requested instant.
 ///
 /// Both schemes are stable for `h rho <= 2` on a real negative spectrum of radius `rho`. As a membrane can also
 /// saturate an instability into a jagged surface without failing, the radius is estimated at the start, every few

@@ -14,7 +14,7 @@ pub use spectral_radius::SpectralRadius;
 
 use crate::Integrator;
 
-/// The right-hand side: writes the rate of a value, or says why it cannot.
+/// The right-hand side: writes the rate of a value, or returns an error.
 pub type Rate<'a, E> = dyn FnMut(&[f64], &mut [f64]) -> Result<(), E> + 'a;
 
 /// A point of the solution with its rate.
@@ -55,7 +55,7 @@ pub trait Stepper<E> {
     fn step(&mut self, rate: &mut Rate<E>, state: &mut State, until: f64) -> Result<(), StepError<E>>;
 }
 
-/// The scheme of the settings with its memory of the steps before, which decides how it goes on.
+/// The scheme of the settings with its state from the previous steps.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Integration {
     /// One of the paper's.
@@ -87,7 +87,7 @@ impl<E> Stepper<E> for Integration {
     }
 }
 
-/// Why an integrator cannot go on.
+/// Errors of an integrator.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError<E> {

@@ -137,7 +137,7 @@ impl<E> Stepper<E> for Rkc2 {
             }
             let most_stable = 0.65 * (STAGE_LIMIT * STAGE_LIMIT) as f64 / self.radius;
             let allowed = wanted.min(most_stable);
-            // Two equal steps to the asked instant are better than a long one and a remainder.
+            // Two equal steps to the requested instant are better than a long one and a remainder.
             let remaining = until - state.time;
             let lands = allowed * 1.01 >= remaining;
             let step = if lands { remaining } else { allowed.min(0.5 * remaining) };
@@ -158,7 +158,7 @@ impl<E> Stepper<E> for Rkc2 {
                 continue;
             }
             let grown = step * self.growth(step, error);
-            // A step cut short to land says nothing against the one that was wanted.
+            // A step that was shortened to land on the instant does not shorten the next one.
             self.next = Some(if step < allowed { grown.max(wanted) } else { grown });
             self.accepted = Some((step, error));
             self.age += 1;

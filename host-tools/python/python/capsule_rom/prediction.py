@@ -184,6 +184,6 @@ class Prediction:
             out = np.empty(shape, dtype=np.float32)
         elif out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous or not out.flags.writeable:
             raise ValueError(
-                f"out must be a writeable C-contiguous float32 array of the shape {shape}, not {out.dtype} of {out.shape}"
+                f"out must be a writable C-contiguous float32 array of the shape {shape}, not {out.dtype} of {out.shape}"
             )
         return np.ascontiguousarray(times.ravel()), out

@@ -1,4 +1,4 @@
-//! Run time against error, and what scenes cost.
+//! Run time against error, and the cost of scenes.
 
 use std::time::Instant;
 
@@ -35,7 +35,7 @@ struct Comparison {
     ways: Vec<Way>,
 }
 
-/// Tolerances of models beside the shipped one, in l.
+/// Tolerances of the models that are compared with the shipped one, in l.
 const TOLERANCES: [f64; 3] = [6e-4, 3e-4, 8e-5];
 
 /// Time of a query with a trajectory of all nodes against its error, for every method and setting.
@@ -169,7 +169,7 @@ impl Comparison {
             };
             let mut least = f64::INFINITY;
             for _ in 0..self.repetitions {
-                // Else the same query would be answered from what is kept of it.
+                // A repeated query would be answered from the workspace.
                 workspace.invalidate();
                 let start = Instant::now();
                 let mut evaluator = Evaluator::new(model, &mut workspace)?;

@@ -1,4 +1,4 @@
-//! One page with everything: our versions of the paper's Figs. 7 to 14, run time against error, what scenes cost, the
+//! One page with everything: our versions of the paper's Figs. 7 to 14, run time against error, the cost of scenes, the
 //! stability study, and how well the expected error is calibrated; with its data as CSV beside it.
 
 mod accuracy;

@@ -84,7 +84,7 @@ impl Section {
     }
 }
 
-/// A series: its name, how its points are drawn, and they.
+/// A series: its name, the mark of its points, and the points.
 pub(super) type Series = (String, Mark, Vec<(f64, f64)>);
 
 /// Curves over two axes.

@@ -7,7 +7,7 @@ use crate::{StudyError, name};
 
 /// Distances from an edge, as shares of the parameter's greatest value; negative ones lie inside.
 const DISTANCES: [f64; 11] = [-1e-2, -1e-4, -1e-6, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-5, 1e-4, 1e-2];
-/// Within this share of an edge, rounding decides what a query is.
+/// Within this share of an edge, rounding decides whether a query is inside.
 const ROUNDING: f64 = 3e-6;
 /// Observables beyond this (lengths in l, velocities in V) are useless.
 const USELESS: f64 = 100.0;

@@ -1,4 +1,4 @@
-//! Databases that are not what they should be: noise, gaps, too few samples for the ranks asked for; and one that goes
+//! Defective databases: noise, gaps, too few samples for the requested ranks; and one that goes
 //! on to t = 200.
 
 use std::path::Path;
@@ -122,7 +122,7 @@ impl Small {
     }
 }
 
-/// Errors of models that are built from spoilt data, and questions to the offline stage.
+/// Errors of models that are built from defective data, and checks of the offline stage.
 pub(super) fn rows(subject: &Subject, folder: &Path) -> Result<(Vec<Row>, Check), StudyError> {
     let small = Small::new(subject)?;
     let mut rows = Vec::new();

@@ -1,4 +1,4 @@
-//! Where the online stage and the offline stage stop to be accurate, and that they say so before.
+//! Limits of the accuracy of the online and the offline stage, and whether they report them.
 //!
 //! Three kinds of results: [`Row`]s, errors against a setting; [`Place`]s, a map of how well the samples around a query
 //! determine its weights; and [`Check`]s, questions that have to be answered well or refused with an error.

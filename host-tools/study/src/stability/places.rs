@@ -18,7 +18,7 @@ pub struct Place {
     pub capillary_number: f64,
     /// a/l
     pub confinement: f64,
-    /// sum |L_j| of direct evaluation: how much noise in the data may grow.
+    /// sum |L_j| of direct evaluation: the largest amplification of noise in the data.
     pub direct_lebesgue: f64,
     /// sum |L_j| of the paper's method.
     pub paper_lebesgue: f64,

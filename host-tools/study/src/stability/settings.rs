@@ -12,7 +12,7 @@ use crate::StudyError;
 
 /// The model file with other settings, and its samples where these place them.
 pub(crate) fn changed(model: &Model, change: impl FnOnce(&mut Contents)) -> Result<Vec<u8>, StudyError> {
-    /// Headroom over what the file is likely to take.
+    /// Headroom over the likely size of the file.
     const LONGEST: usize = 64 << 20;
     let mut contents = model.contents().clone();
     change(&mut contents);

@@ -1,4 +1,4 @@
-//! Configurations of the full-order model, and how far a model's answers are from them.
+//! Configurations of the full-order model, and the distance of a model's answers from them.
 
 use capsule_core::{Evaluator, Frame, Model, Nodes, Query, Real, Scene, Workspace};
 use capsule_database::Database;

@@ -18,9 +18,9 @@ pub struct Case {
 
 /// Mesh frequency of production.
 const MESH: usize = 13;
-/// Mesh frequency of what is not the membrane's.
+/// Mesh frequency of the cases that do not vary the membrane.
 const COARSE_MESH: usize = 8;
-/// The instant of comparison, unless the shape stands still before (l/V).
+/// The instant of comparison, unless the shape is steady before (l/V).
 const END_TIME: f64 = 8.0;
 
 /// (Ca, a/l) of the study: the paper's example; a long capsule; one with a thin film whose rear buckles; one near the

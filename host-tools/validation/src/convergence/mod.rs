@@ -86,7 +86,8 @@ pub struct Report {
 }
 
 /// Runs all `cases` at all `configurations`, `workers` at a time, and compares. Each finished run is kept in `folder`,
-/// and one that is there with the same settings is not repeated. `progress` hears how many are done, and of how many.
+/// and a run that is there with the same settings is not repeated. `progress` receives the numbers of finished and of
+/// all cases.
 ///
 /// # Errors
 /// [`ValidationError`] when a case cannot be set up, a file not read or written, or a thread not started. A run that

@@ -2,7 +2,7 @@
 
 use crate::command::{command, command_in, output, run};
 use crate::package::{DIRECT, FULL, Library};
-use crate::{header, package, root, target_directory, wasm};
+use crate::{header, package, root, target_directory, targets, wasm};
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ const QUERIES: usize = 1001;
 
 /// All figures.
 pub fn measure() -> Result<Map<String, Value>> {
-    let package = package::folder(package::CORTEX_M)?;
+    let package = package::folder(targets::CORTEX_M)?;
     let mut figures = Map::new();
     for line in emulated(&package, "budgets.c", &[])?.lines() {
         let (name, value) = line
@@ -61,7 +61,7 @@ pub fn measure() -> Result<Map<String, Value>> {
 
 /// Prints the median and the maximum of the queries' costs, and their ratio.
 pub fn spread(queries: usize) -> Result<()> {
-    let package = package::folder(package::CORTEX_M)?;
+    let package = package::folder(targets::CORTEX_M)?;
     println!(
         "{:<12} {:>8} {:>12} {:>12} {:>6}",
         "queries", "count", "median", "greatest", "ratio"
@@ -163,10 +163,10 @@ fn bytes_of(sizes: &str, section: &str) -> Option<u64> {
 
 /// The interface as a WebAssembly module, optimised for size by wasm-opt.
 fn module(library: &Library) -> Result<PathBuf> {
-    package::interface(library, wasm::TARGET, "cdylib", "-C strip=symbols")?;
+    package::interface(library, targets::WASM, "cdylib", "-C strip=symbols")?;
     let [built, optimised] = ["", "-optimised"].map(|suffix| {
         let name = format!("embedded/capsule_capi{suffix}.wasm");
-        target_directory().join(wasm::TARGET).join(name)
+        target_directory().join(targets::WASM).join(name)
     });
     std::fs::copy(&built, &optimised).with_context(|| built.display().to_string())?;
     wasm::optimise(&optimised, SMALLEST)?;

@@ -1,11 +1,8 @@
 //! The instants that all series have.
 
-use super::malformed;
 use super::pvd::Series;
+use super::{SAME_TIME, malformed};
 use crate::DatabaseError;
-
-/// Instants are the same when they differ by at most this share of the last one: room for six digits of text.
-pub(super) const SAME_TIME: f64 = 1e-6;
 
 /// Leaves in each series the instants that all have, and returns them, counted from 0.
 ///

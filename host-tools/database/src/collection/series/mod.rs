@@ -30,7 +30,10 @@ use table::Table;
 use vtu::Snapshot;
 use weld::Weld;
 
-/// Reads the series of a folder, with warnings: what was taken otherwise than it stands in the files.
+/// Instants are the same when they differ by at most this share of the last one: room for six digits of text.
+const SAME_TIME: f64 = 1e-6;
+
+/// Reads the series of a folder, with warnings of interpretations that differ from the text of the files.
 ///
 /// # Errors
 /// Missing, malformed and unsupported content, with its file, array, row or instant.

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
-use super::instants::SAME_TIME;
-use super::malformed;
 use super::markup::Markup;
+use super::{SAME_TIME, malformed};
 use crate::DatabaseError;
 
 /// The instants of one configuration.
