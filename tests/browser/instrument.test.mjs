@@ -100,6 +100,22 @@ describe("the map", () => {
   });
 });
 
+describe("the mouse over the map", () => {
+  onPage("previews the chosen read-out of what a click would give", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const box = await page.locator("#map-surface").boundingBox();
+    // A click has whole pixels.
+    const place = [box.x + 0.35 * box.width, box.y + 0.5 * box.height].map(Math.round);
+    await page.mouse.move(...place);
+    const hint = await page.textContent("#map .hint");
+    assert.equal((await state(page)).ca, 0.1);
+    await page.mouse.click(...place);
+    await settled(page);
+    const { ca, confinement } = await state(page);
+    const { axial_length } = native(ca, confinement, 3);
+    assert.equal(hint, `Ca ${ca}, a/ℓ ${confinement}: ${axial_length.toFixed(4)} ℓ`);
+  });
+});
+
 describe("the plots", () => {
   onPage("show all read-outs along time and along the parameters", "#ca=0.05&al=0.9&t=3&views=plots", async (page) => {
     const drawn = () =>

@@ -1,7 +1,9 @@
 import type { Root } from "../app/dom";
 import type { Scale } from "../app/schema";
 import type { Capsule, Need } from "../model/capsule";
+import { measure } from "../model/quantities";
 import type { Unit } from "../model/units";
+import { AXES, between, clamp, holds, type Point, rounded, type Span, short } from "./map-geometry";
 import type { Contour } from "./map-layer";
 import { hatch, label, onResize, set, svg, ticks, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
@@ -19,20 +21,6 @@ interface Domain {
   /** Time by which a steady state must be reached. */
   readonly end: number;
   readonly time: Unit;
-}
-
-/** Places on an axis for a value, 0 at the first and 1 at the last of its span, and back. */
-const AXES: Record<Scale, readonly [to: (value: number) => number, from: (place: number) => number]> = {
-  linear: [(value) => value, (place) => place],
-  root: [(value) => Math.sqrt(Math.max(value, 0)), (place) => place ** 2],
-  log: [(value) => Math.log(Math.max(value, 1e-9)), Math.exp],
-};
-
-type Span = readonly [number, number];
-
-interface Point {
-  readonly ca: number;
-  readonly confinement: number;
 }
 
 const NONE = new Float64Array();
@@ -58,6 +46,7 @@ export class ParameterMap implements ViewPart {
   readonly #ground: SVGGElement;
   readonly #layer: SVGGElement;
   readonly #pins: SVGGElement;
+  readonly #hint: SVGTextElement;
   readonly #guides: SVGPathElement;
   readonly #handle: SVGCircleElement;
   readonly #ring: SVGCircleElement;
@@ -69,6 +58,7 @@ export class ParameterMap implements ViewPart {
   #confinementSpan: Span = [0, 1];
   #width = 0;
   #height = 0;
+  #tell: ((point: Point) => string) | undefined;
   #traces: readonly Trace[] = [];
   #contoured: readonly Contour[] | undefined;
   #point: Point = { ca: 0, confinement: 0 };
@@ -90,6 +80,7 @@ export class ParameterMap implements ViewPart {
     this.#ground = svg("g", { class: "axis" }, this.#svg);
     this.#layer = svg("g", { class: "layer" }, this.#svg);
     this.#guides = svg("path", { class: "guide", fill: "none" }, this.#svg);
+    this.#hint = svg("text", { class: "region hint" }, this.#svg);
     const surface = svg(
       "rect",
       { class: "surface", width: "100%", height: "100%", id: root.id("map-surface") },
@@ -118,6 +109,10 @@ export class ParameterMap implements ViewPart {
         if (target.hasPointerCapture(event.pointerId)) this.#choose(event);
       });
     }
+    surface.addEventListener("pointermove", (event) => this.#preview(event));
+    surface.addEventListener("pointerleave", () => {
+      this.#hint.textContent = "";
+    });
     surface.addEventListener("click", (event) => this.#choose(event));
     this.#handle.addEventListener("keydown", (event) => this.#step(event));
   }
@@ -132,6 +127,16 @@ export class ParameterMap implements ViewPart {
     }
     this.#point = state;
     this.#traces = traces;
+    this.#tell = ({ ca, confinement }) => {
+      const [value = Number.NaN] = capsule.grid(
+        "hover",
+        state.trace,
+        Float64Array.of(ca, confinement),
+        state.t,
+        state.method,
+      );
+      return Number.isNaN(value) ? "no answer" : measure(state.trace, value, units);
+    };
     this.#show();
   }
 
@@ -319,6 +324,18 @@ export class ParameterMap implements ViewPart {
   }
 
   #choose(event: MouseEvent): void {
+    this.#onChoice(this.#at(event));
+  }
+
+  /** The parameters below the mouse, and the chosen read-out there: what a click would give. */
+  #preview(event: PointerEvent): void {
+    if (event.pointerType !== "mouse" || event.buttons !== 0 || this.#tell === undefined) return;
+    const point = this.#at(event);
+    set(this.#hint, { x: INSET.left + 6, y: this.#height - INSET.bottom - 6 });
+    this.#hint.textContent = `Ca ${short(point.ca)}, a/ℓ ${short(point.confinement)}: ${this.#tell(point)}`;
+  }
+
+  #at(event: MouseEvent): Point {
     const box = this.#svg.getBoundingClientRect();
     const fine = event.shiftKey ? 5 : 1;
     const place = (pixels: number, size: number, [from, to]: Span) => from + clamp(pixels / size, 0, 1) * (to - from);
@@ -327,10 +344,7 @@ export class ParameterMap implements ViewPart {
     const [x, y] = [event.clientX - box.left - INSET.left, box.bottom - event.clientY - INSET.bottom];
     const ca = toCa(place(x, this.#width - INSET.left - INSET.right, [toPlace(from), toPlace(to)]));
     const confinement = place(y, this.#height - INSET.top - INSET.bottom, this.#confinementSpan);
-    this.#onChoice({
-      ca: Math.max(rounded(ca, 0.001 / fine), 0.001),
-      confinement: rounded(confinement, 0.005 / fine),
-    });
+    return { ca: Math.max(rounded(ca, 0.001 / fine), 0.001), confinement: rounded(confinement, 0.005 / fine) };
   }
 
   #step(event: KeyboardEvent): void {
@@ -361,31 +375,4 @@ export class ParameterMap implements ViewPart {
 function written<E extends Element>(element: E, text: string): E {
   element.textContent = text;
   return element;
-}
-
-function clamp(value: number, low: number, high: number): number {
-  return Math.min(high, Math.max(low, value));
-}
-
-function rounded(value: number, step: number): number {
-  return Number((Math.round(value / step) * step).toPrecision(10));
-}
-
-function short(value: number): string {
-  return String(Number(value.toPrecision(4)));
-}
-
-const holds = ([low, high]: Span, value: number) => low <= value && value <= high;
-
-/** The part of a curve of rising confinement that lies between two confinements; beyond its ends it is constant. */
-function between(curve: readonly Point[], [low, high]: readonly [number, number]): Point[] {
-  const at = (confinement: number): Point => {
-    const after = curve.findIndex((point) => point.confinement >= confinement);
-    const [from, to] = [curve[after - 1], curve[after]];
-    if (!from || !to) return { confinement, ca: (to ?? curve[curve.length - 1])?.ca ?? 0 };
-    const share = (confinement - from.confinement) / (to.confinement - from.confinement);
-    return { confinement, ca: from.ca + share * (to.ca - from.ca) };
-  };
-  const inner = curve.filter(({ confinement }) => low < confinement && confinement < high);
-  return [at(low), ...inner, at(high)];
 }
