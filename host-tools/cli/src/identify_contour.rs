@@ -162,7 +162,7 @@ fn columns(headings: Option<&[&str]>, rows: &[(usize, Vec<&str>)], separator: Se
                 let mut letters = heading.chars();
                 letters.next() == Some(name) && !letters.next().is_some_and(char::is_alphanumeric)
             };
-            headings.iter().position(|heading| is(heading))
+            headings.iter().position(is)
         };
         if let (Some(x), Some(y)) = (named('x'), named('y')) {
             return Ok([x, y]);
