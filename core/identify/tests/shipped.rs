@@ -189,6 +189,9 @@ fn intervals_near_the_best_value_are_those_of_the_curvature() {
     );
 }
 
+/// A turn of a picture.
+type Turn = fn([f64; 2]) -> [f64; 2];
+
 #[test]
 fn the_direction_of_the_flow_is_found() {
     let model = Model::open(FILE).unwrap();
@@ -197,7 +200,7 @@ fn the_direction_of_the_flow_is_found() {
     let grid = Grid::new(&mut shapes).unwrap();
     let shape = shapes.at([f64::ln(0.06), 0.95]).unwrap();
     let drawn = contour(&shape, 300, 1e-3, normals(2));
-    let turns: [(fn([f64; 2]) -> [f64; 2], Direction); 4] = [
+    let turns: [(Turn, Direction); 4] = [
         (|p| p, Direction::Right),
         (|[x, y]| [-x, y], Direction::Left),
         (|[x, y]| [y, x], Direction::Up),

@@ -1,0 +1,57 @@
+//! Errors of an identification.
+
+use crate::contour::ContourError;
+use capsule_core::EvaluateError;
+
+/// The cause of a refused measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    /// The fault of the contour.
+    Contour(ContourError),
+    /// A number of the measurement that cannot be.
+    Number {
+        /// Its name.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Without a contour at least two lengths are needed.
+    TooFewLengths {
+        /// How many there are.
+        found: usize,
+    },
+    /// The model did not answer.
+    Model(EvaluateError),
+    /// No start led to a minimum.
+    NoFit,
+}
+
+impl From<EvaluateError> for IdentifyError {
+    fn from(error: EvaluateError) -> Self {
+        Self::Model(error)
+    }
+}
+
+impl From<ContourError> for IdentifyError {
+    fn from(error: ContourError) -> Self {
+        Self::Contour(error)
+    }
+}
+
+impl core::fmt::Display for IdentifyError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Contour(error) => error.fmt(f),
+            Self::Number { what, value } => write!(f, "{what} is {value}: it must be a positive finite number"),
+            Self::TooFewLengths { found } => write!(
+                f,
+                "{found} of the lengths, the velocity and the radius are given: without a contour at least two are needed"
+            ),
+            Self::Model(error) => error.fmt(f),
+            Self::NoFit => f.write_str("no capsule of the model comes near the measurement"),
+        }
+    }
+}
+
+impl core::error::Error for IdentifyError {}
