@@ -29,8 +29,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// Binds a model to a workspace.
     ///
     /// # Errors
-    /// [`EvaluateError::Capacity`] if the model does not fit. Whether it fits for [`Method::Paper`] is checked when such
-    /// a query is prepared.
+    /// [`EvaluateError::Capacity`] if the model does not fit. Whether it fits for [`Method::Paper`] is checked when
+    /// such a query is prepared.
     pub fn new(model: &'a Model<'a>, workspace: &'a mut Workspace<T, K, M, N, S>) -> Result<Self, EvaluateError> {
         let contents = model.contents();
         for cluster in &contents.clusters {
@@ -64,13 +64,13 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         )
     }
 
-    /// Prepares a query: computes the weights of the samples. Returns where its parameters lie. Costs nothing if the query
-    /// is already prepared. After an error no query is prepared.
+    /// Prepares a query: computes the weights of the samples. Returns where its parameters lie. Costs nothing if the
+    /// query is already prepared. After an error no query is prepared.
     ///
     /// # Errors
-    /// A wrong number of parameters, or one that is not finite (Ca and a/l: not positive); parameters outside the domain
-    /// without `extrapolate`; a step out of range; [`EvaluateError::Capacity`] for [`Method::Paper`] in a workspace that
-    /// is too small for it; [`EvaluateError::BeyondExtrapolation`] and [`EvaluateError::Weights`].
+    /// A wrong number of parameters, or one that is not finite (Ca and a/l: not positive); parameters outside the
+    /// domain without `extrapolate`; a step out of range; [`EvaluateError::Capacity`] for [`Method::Paper`] in a
+    /// workspace that is too small for it; [`EvaluateError::BeyondExtrapolation`] and [`EvaluateError::Weights`].
     pub fn prepare(&mut self, query: &Query<T>) -> Result<Domain, EvaluateError> {
         let digest = self.model.digest();
         if let Some(prepared) = &self.workspace.prepared
@@ -131,8 +131,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// Positions of all nodes, in l, at the instant `t` of the prepared query, into the first entries of `out`; returns
     /// their number. For successive frames: `playback` caches the surfaces of the control vectors, so the first frame
     /// costs as much as two groups of four surfaces. The positions differ from those of [`Instant::positions`] by
-    /// rounding only, because their sums have another order. [`Method::Paper`] cannot use this fast path: its frames are
-    /// those of [`Instant::positions`].
+    /// rounding only, because their sums have another order. [`Method::Paper`] cannot use this fast path: its frames
+    /// are those of [`Instant::positions`].
     ///
     /// # Errors
     /// Those of [`at`](Self::at) and [`Instant::positions`]; [`EvaluateError::BufferTooShort`] for the storage of

@@ -1,5 +1,5 @@
-//! Expected error of an answer: the standard deviation of the interpolation at the query, calibrated by the leave-one-out
-//! errors of the neighbouring samples and their deviations.
+//! Expected error of an answer: the standard deviation of the interpolation at the query, calibrated by the
+//! leave-one-out errors of the neighbouring samples and their deviations.
 
 use crate::Real;
 use crate::interpolate::Weights;
@@ -25,9 +25,10 @@ pub(crate) fn expected_error<T: Real, const N: usize>(
     T::from_f64(errors.floor) + weights.deviation() * sum / weights.lebesgue()
 }
 
-/// Additional error of an extrapolation, a guess: a share of the change of the solution over the distance to the nearest
-/// sample, times sum |L_j| - 1. Between samples sum |L_j| is little more than 1; outside it grows with the square of the
-/// distance. The leave-one-out errors do not show this error, because along dense rows a sample left out is interpolated.
+/// Additional error of an extrapolation, a guess: a share of the change of the solution over the distance to the
+/// nearest sample, times sum |L_j| - 1. Between samples sum |L_j| is little more than 1; outside it grows with the
+/// square of the distance. The leave-one-out errors do not show this error, because along dense rows a sample left out
+/// is interpolated.
 pub(crate) fn extrapolation_error<T: Real, const N: usize>(
     errors: &Errors<'_>,
     instants: &MatrixView<'_>,
@@ -41,9 +42,9 @@ pub(crate) fn extrapolation_error<T: Real, const N: usize>(
     T::from_f32(SHARE) * (weights.lebesgue() - T::ONE).max(T::ZERO) * change * weights.nearest()
 }
 
-/// Error of the interpolation in time between two stored instants, expected and its bound: the mean of the samples' errors
-/// in the middle of the interval, weighted by |L_j|, times 4 s (1 - s) with the share s of the interval that has passed. 0
-/// for a model without these errors.
+/// Error of the interpolation in time between two stored instants, expected and its bound: the mean of the samples'
+/// errors in the middle of the interval, weighted by |L_j|, times 4 s (1 - s) with the share s of the interval that has
+/// passed. 0 for a model without these errors.
 pub(crate) fn interval_error<T: Real, const N: usize>(
     cluster: &Cluster<'_>,
     instants: &MatrixView<'_>,

@@ -15,11 +15,12 @@ use crate::surface::reconstruct::{Plane, Snapshot, prefix_mut};
 use crate::{Domain, Frame, Nodes, Real, Scene, Workspace};
 use core::cell::Cell;
 
-/// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps results that the
-/// next one may need.
+/// One instant of the prepared query. Every method computes what it returns and nothing else, and keeps results that
+/// the next one may need.
 ///
-/// Outside the sampled domain (`extrapolate`) every answer is preceded by a check of the whole surface, once an instant: a
-/// shape that no capsule can have is refused with [`EvaluateError::WrongVolume`] or [`EvaluateError::BeyondWall`].
+/// Outside the sampled domain (`extrapolate`) every answer is preceded by a check of the whole surface, once an
+/// instant: a shape that no capsule can have is refused with [`EvaluateError::WrongVolume`] or
+/// [`EvaluateError::BeyondWall`].
 #[derive(Debug)]
 pub struct Instant<
     'e,
@@ -52,8 +53,8 @@ impl<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize, const S: u
     }
 
     /// Does at most `pieces` pieces of the work that all answers at this instant need, and returns true when it is
-    /// complete: for callers with other tasks. A piece is a snapshot, a row or a mode of a local basis, or a time step of
-    /// [`Method::Paper`]; [`Method::Direct`] has no such work. Answers at other instants may come in between.
+    /// complete: for callers with other tasks. A piece is a snapshot, a row or a mode of a local basis, or a time step
+    /// of [`Method::Paper`]; [`Method::Direct`] has no such work. Answers at other instants may come in between.
     pub fn advance(&mut self, pieces: usize) -> bool {
         self.workspace.solver.advance(&self.target, pieces)
     }
@@ -298,8 +299,9 @@ impl<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize, const S: u
         number(self.interpolation_error() + of_time + guess)
     }
 
-    /// Expected error within the sampled domain, and its bound. Leaving out a sample asks farther than a query does: where
-    /// the expectation from the leave-one-out errors is above the bound, which is calibrated to that, it is the bound.
+    /// Expected error within the sampled domain, and its bound. Leaving out a sample asks farther than a query does:
+    /// where the expectation from the leave-one-out errors is above the bound, which is calibrated to that, it is the
+    /// bound.
     fn calibrated_errors(&self) -> [T; 2] {
         let interpolation = self.interpolation_error();
         let [of_time, bound_of_time] = self.interval_error();
@@ -329,8 +331,8 @@ impl<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize, const S: u
         number(self.workspace.solver.weights.deviation())
     }
 
-    /// Bound of the distance of [`expected_error`](Self::expected_error) that holds for 95 of 100 queries, as a fraction
-    /// of a.
+    /// Bound of the distance of [`expected_error`](Self::expected_error) that holds for 95 of 100 queries, as a
+    /// fraction of a.
     ///
     /// # Errors
     /// [`EvaluateError::NoBound`] outside the sampled domain, where it is not calibrated; [`EvaluateError::NotFinite`].

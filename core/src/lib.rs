@@ -1,7 +1,7 @@
 //! Online stage of the capsule reduced-order model: from a model file and (Ca, a/l) to the capsule's motion.
 //!
-//! No allocator and no unsafe code: all storage is in a caller-owned [`Workspace`]. Lengths are in l (half the channel's
-//! side), velocities in V (mean velocity of the undisturbed flow), time in l/V.
+//! No allocator and no unsafe code: all storage is in a caller-owned [`Workspace`]. Lengths are in l (half the
+//! channel's side), velocities in V (mean velocity of the undisturbed flow), time in l/V.
 //!
 //! ```
 //! use capsule_core::{Evaluator, Method, Model, Query, Workspace};
@@ -20,13 +20,13 @@
 //! # }
 //! ```
 //!
-//! [`Model::open`] validates a file once, and [`Evaluator::new`] checks that the model fits the workspace. After that no
-//! input leads to a panic, and a result that is not finite is an error. Every target computes the same bits, because only
-//! + - * / and libm's functions are used and every sum has a fixed order.
+//! [`Model::open`] validates a file once, and [`Evaluator::new`] checks that the model fits the workspace. After that
+//! no input leads to a panic, and a result that is not finite is an error. Every target computes the same bits, because
+//! only + - * / and libm's functions are used and every sum has a fixed order.
 //!
-//! Modules depend on each other in one direction: `linalg` and `model` (the file) are the base; `interpolate` computes the
-//! weights of the samples, `motion` and `paper` the coefficients of the modes, `surface` and `mechanics` the answers.
-//! `solver` and `workspace` hold the storage; `evaluator` and `instant` are the interface.
+//! Modules depend on each other in one direction: `linalg` and `model` (the file) are the base; `interpolate` computes
+//! the weights of the samples, `motion` and `paper` the coefficients of the modes, `surface` and `mechanics` the
+//! answers. `solver` and `workspace` hold the storage; `evaluator` and `instant` are the interface.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -152,7 +152,8 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// Stages (node, 1 / weight): each is evaluated at the node, a share of the step, along the rate of the stage before.
+    /// Stages (node, 1 / weight): each is evaluated at the node, a share of the step, along the rate of the stage
+    /// before.
     pub(crate) const fn stages(self) -> &'static [(f32, f32)] {
         match self {
             Self::Euler => &[(0.0, 1.0)],
@@ -162,8 +163,8 @@ impl Scheme {
     }
 }
 
-/// Position of parameters relative to the sampled domain. Errors are calibrated [`Inside`](Self::Inside); everywhere else
-/// an answer is an extrapolation without an error bound, and its expected error is a guess.
+/// Position of parameters relative to the sampled domain. Errors are calibrated [`Inside`](Self::Inside); everywhere
+/// else an answer is an extrapolation without an error bound, and its expected error is a guess.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// Within the sampled ranges and below the steady limit, where there is one.

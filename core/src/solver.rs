@@ -68,8 +68,8 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
         shape: QuantizedVectors::ZERO,
     };
 
-    /// Checks the leading coefficients before any node is written to a caller's buffer: no entry of a mode exceeds 1e6, so
-    /// all nodes are finite where the sum of the coefficients is bounded.
+    /// Checks the leading coefficients before any node is written to a caller's buffer: no entry of a mode exceeds 1e6,
+    /// so all nodes are finite where the sum of the coefficients is bounded.
     fn check_bound(&mut self, modes: usize) {
         const MAX: f32 = 1e30;
         let values = self.shape.values.as_flattened().iter().take(modes);
@@ -91,7 +91,8 @@ impl<T: Real, const K: usize> Coefficients<T, K> {
     }
 }
 
-/// Storage of the computation. Small fields lie before large ones: a Cortex-M reaches the first 4 KiB in one instruction.
+/// Storage of the computation. Small fields lie before large ones: a Cortex-M reaches the first 4 KiB in one
+/// instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Solver<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> {
@@ -242,8 +243,8 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> So
     }
 }
 
-/// Source and scratch of the paper's method; none for M = 0, where [`Method::Paper`] is refused: so the compiler drops the
-/// method's code.
+/// Source and scratch of the paper's method; none for M = 0, where [`Method::Paper`] is refused: so the compiler drops
+/// the method's code.
 fn paper_solver<'a, 's, 'f, T: Real, const K: usize, const M: usize>(
     model: &'s Model<'a>,
     motion: Motion<'a, 's, T, K>,

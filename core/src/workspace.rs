@@ -13,8 +13,8 @@ const MAX_MODES: usize = 256;
 /// Storage for one query at a time; const-constructible, so that it can be a `static`. Results are kept while the query
 /// stays the same.
 ///
-/// Capacities: `K` modes (K, translation included, and K_c), at most 256; `M` local modes (m_u, m_v); `N` samples used by a
-/// query; `S` numbers of scratch, at least [`scratch_len`] of `M` and `N`. With `M` = 0
+/// Capacities: `K` modes (K, translation included, and K_c), at most 256; `M` local modes (m_u, m_v); `N` samples used
+/// by a query; `S` numbers of scratch, at least [`scratch_len`] of `M` and `N`. With `M` = 0
 /// [`Method::Paper`](crate::Method::Paper) is refused, and its storage and code are left out:
 ///
 /// ```

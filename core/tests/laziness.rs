@@ -1,4 +1,4 @@
-//! What is not asked for is not computed: counted by the stored numbers that are read and the operations,
+//! A quantity that is not requested is not computed: counted by the stored numbers that are read and the operations,
 //! with a number that counts.
 
 mod common;

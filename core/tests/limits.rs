@@ -163,7 +163,7 @@ fn samples_close_to_each_other() {
             single.as_ref().is_ok_and(|error| *error < 3e-6),
             "{apart:e}: {single:?}"
         );
-        // What is left is the rounding of the stored singles.
+        // The remaining difference is the rounding of the stored singles.
         assert!(
             double.as_ref().is_ok_and(|error| *error < 2e-7),
             "{apart:e}: {double:?}"

@@ -1,4 +1,4 @@
-//! What scenes give: observables, volume, outlines, sections; and what they do not compute.
+//! Results of scenes: observables, volume, outlines, sections; and the quantities that they do not compute.
 
 mod common;
 

@@ -1,4 +1,4 @@
-/* What the online stage costs on a Cortex-M, through the C interface: instructions by the board's 25 MHz timer (QEMU with
+/* Cost of the online stage on a Cortex-M, through the C interface: instructions by the board's 25 MHz timer (QEMU with
    -icount shift=6 spends 64 ns on each), and stack by painting it below the frame of the caller. Prints a line "name value"
    for each figure. */
 #include <capsule.h>

@@ -74,8 +74,8 @@ impl Surface {
     }
 }
 
-/// Unit normals at the vertices, outward where the triangles are oriented so: the mean of those of the triangles around,
-/// weighted by their areas. A vertex without area has none: zero.
+/// Unit normals at the vertices, outward where the triangles are oriented so: the mean of those of the triangles
+/// around, weighted by their areas. A vertex without area has none: zero.
 pub fn normals(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut normals = vec![[0.0; 3]; positions.len()];
     for triangle in triangles {

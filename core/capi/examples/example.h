@@ -1,4 +1,4 @@
-/* What the examples share: the models' bytes (model.S), and what to do where no error is expected. */
+/* Shared by the examples: the models' bytes (model.S), and the end of a program on an unexpected error. */
 #ifndef EXAMPLE_H
 #define EXAMPLE_H
 

@@ -7,7 +7,7 @@ enum { FRAMES = 24 };
 static capsule_model model;
 static capsule_workspace workspace;
 
-/* What the camera and the pump say of a frame: here, a flow that is slowly turned up until the model ends. */
+/* Readings of the camera and the pump for a frame: here, a flow that increases slowly until the domain ends. */
 static void measure(int frame, float parameters[2]) {
   parameters[0] = 0.02f + 0.008f * (float)frame;
   parameters[1] = 0.80f + 0.02f * (float)(frame % 4);

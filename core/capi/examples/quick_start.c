@@ -44,7 +44,7 @@ int main(void) {
   printf("outline of %lu points from (%.9g, %.9g) to (%.9g, %.9g)\n", (unsigned long)(count / 2), (double)outline[0],
          (double)outline[1], (double)outline[count - 2], (double)outline[count - 1]);
 
-  /* What goes wrong is said, with figures. */
+  /* Errors come with figures. */
   if (capsule_outline_at(&model, &workspace, 3.0f, CAPSULE_OUTLINE_MIDPLANE, CAPSULE_FRAME_CENTROID, outline, 10,
                          &count, &error) != CAPSULE_STATUS_OK)
     explain(&error);

@@ -96,7 +96,8 @@ struct Options {
   float step = 0.0f;
 };
 
-/* Answers queries with a model and a workspace, both of which outlive it. Lengths are in l, velocities in V, t in l/V. */
+/* Answers queries with a model and a workspace, both of which outlive it. Lengths are in l, velocities in V, t in
+   l/V. */
 class Evaluator {
  public:
   Evaluator(const Model &model, Workspace &workspace) noexcept : model_(model.get()), workspace_(workspace.get()) {}

@@ -58,7 +58,8 @@ pub(crate) unsafe fn call(
     } else {
         error
     };
-    // SAFETY: the caller keeps the contract of `functions`, and no other buffer is there. Zeros say that nothing failed.
+    // SAFETY: the caller keeps the contract of `functions`, and no other buffer is there. Zeros say that nothing
+    // failed.
     let failure = unsafe { error.zeros() };
     // The error holds the status of a failure.
     let (Ok(()) | Err(Failed)) = match failure.record(check(buffers, file)) {

@@ -12,7 +12,7 @@ pub const MAX_GAP: f64 = 0.25;
 /// By what share a contour may be wider than the channel before it is refused: the scale is not better known.
 const WIDER: f64 = 0.05;
 
-/// What is wrong with a contour.
+/// The fault of a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContourError {

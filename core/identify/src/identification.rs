@@ -15,7 +15,7 @@ pub struct Estimate {
     pub interval_95: Interval,
 }
 
-/// What kind of answer it is.
+/// The kind of answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// One answer, with an interval that is closed on both sides.
@@ -48,7 +48,7 @@ impl Verdict {
         }
     }
 
-    /// What it means, and what to do, in a sentence.
+    /// The meaning and a remedy, in a sentence.
     pub const fn text(self) -> &'static str {
         match self {
             Self::Identified => "one answer, with closed intervals",
@@ -108,7 +108,7 @@ impl Frame {
     }
 }
 
-/// What was found.
+/// The result of an identification.
 #[derive(Clone, Copy, Debug)]
 pub struct Identification {
     /// Capillary number mu V / G_s.

@@ -1,4 +1,4 @@
-//! What was measured, and how well.
+//! Measurements with their uncertainties.
 
 use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, VELOCITY};
 
@@ -135,7 +135,7 @@ impl Lengths {
     }
 }
 
-/// What is known of the systematic errors of the measurement: standard deviations around 0, 0 for what is exact.
+/// Priors of the systematic errors of the measurement: standard deviations around 0; 0 for an exact quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Priors {
     /// By how much the edge is drawn too far out, in um.

@@ -127,8 +127,8 @@ fn together(points: &[Point]) -> f64 {
     together
 }
 
-/// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal until its
-/// residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
+/// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal until
+/// its residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
 pub(crate) fn gather(
     data: &Data<'_>,
     curve: &Curve,

@@ -42,7 +42,7 @@ impl Interval {
     }
 }
 
-/// What intervals are taken from.
+/// The likelihood that intervals are computed from.
 pub(crate) struct Profile<'p> {
     /// The data of the fit, or bins of them.
     pub(crate) data: Data<'p>,
@@ -133,7 +133,7 @@ impl Fitter<'_, '_, '_> {
             };
             let root = libm::sqrt(best.rise.max(0.0));
             if (root - quantile).abs() < CLOSE * quantile {
-                // What is left is taken away in proportion.
+                // The remainder is subtracted in proportion.
                 return Ok((change(best.theta) * quantile / root, false));
             }
             if root < quantile {

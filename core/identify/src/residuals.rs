@@ -2,8 +2,8 @@
 //!
 //! A point's residual is its distance from the model's curve along the normal, less the edge's offset and the model's
 //! own error. That error is a smooth function of the place along the curve, a sum of cosines with coefficients around 0
-//! that are unknowns like the others: so errors of the model widen the intervals as much as they can move the answer, and
-//! are not averaged away as if they were noise.
+//! that are unknowns like the others: so errors of the model widen the intervals as much as they can move the answer,
+//! and are not averaged away as if they were noise.
 
 use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};
@@ -45,7 +45,7 @@ pub struct Point {
     pub(crate) below: bool,
 }
 
-/// What the residuals are made of, but for the model's part.
+/// The data of the residuals, without the model's part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Data<'p> {
     pub(crate) points: &'p [Point],
@@ -138,7 +138,8 @@ impl<'p> Data<'p> {
         ]
     }
 
-    /// Residual of a point without the model's error, its place along the curve, and its row but for the capsule's part.
+    /// Residual of a point without the model's error, its place along the curve, and its row but for the capsule's
+    /// part.
     fn residual(&self, curve: &Curve, place: [f64; 2], unknowns: &[f64; NUISANCES]) -> Residual {
         let [place, by_tilt, by_scale] = self.moved(place, unknowns);
         let side = if place[1] < 0.0 { -1.0 } else { 1.0 };
@@ -203,7 +204,7 @@ impl<'p> Data<'p> {
             let Some(Measured { value, deviation }) = *measured else {
                 continue;
             };
-            // What the edge adds to a length, and what the scale changes it by.
+            // Contributions of the edge and of the scale to a length.
             let (edge, scale) = match s {
                 LENGTH => (2.0, value),
                 HALF_WIDTH => (1.0, value),

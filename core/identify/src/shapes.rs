@@ -6,7 +6,7 @@ use capsule_core::{
     silhouette,
 };
 
-/// What the measured outline is.
+/// The kind of the measured outline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observable {
     /// The section by the plane z = 0: confocal and light-sheet microscopy, dyed membranes in focus.
@@ -36,7 +36,7 @@ const RAYS: usize = 385;
 /// rounding of 1e-5 l and changes by 0.05 to 0.3 l per unit of ln Ca, by 0.5 to 2 l per unit of a/l.
 const STEPS: [f64; 2] = [0.02, 0.004];
 
-/// What the outline is at parameters, lengths in l.
+/// The outline at some parameters; lengths in l.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// Half the outline, in the frame of the centroid.
@@ -95,7 +95,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         self.model
     }
 
-    /// What is looked at.
+    /// The observed outline.
     pub fn observable(&self) -> Observable {
         self.observable
     }

@@ -311,7 +311,7 @@ impl Solver<'_, '_, '_, '_> {
         let far = |value: f64, deviation: f64| value.abs() > FAR * deviation && deviation > 0.0;
         let open = |intervals: Option<[Interval; 2]>| intervals.is_none_or(|[_, wide]| wide.open != [false; 2]);
         let [ca, confinement, _] = intervals;
-        // What of the residuals is smooth along the contour, more than the edge and the model may err by.
+        // The part of the residuals that is smooth along the contour, against the errors of the edge and the model.
         let smooth = found.residual_um * libm::sqrt(1.0 - 1.0 / found.correlated_points.max(1.0));
         let allowed = priors.edge_um.max(fit.bound * self.measurement.setup.half_width_um);
         let structured = found.correlated_points > TOGETHER && smooth > allowed;

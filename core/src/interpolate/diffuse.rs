@@ -2,9 +2,9 @@
 //!
 //! Four things differ from the printed method. The ratio r scales Ca and not a/l, as Figure 5 shows: with r on a/l the
 //! neighbours of a query lie on one or two rows of the design. R exceeds the distance of the M-th sample, whose weight
-//! would be 0. The coordinates are relative to the query and divided by R, with a small ridge on the second-order terms,
-//! which keeps sum L = 1 and the first order exact where the samples do not determine the second. Samples beyond a jump
-//! of the solution are not used, because a polynomial through a jump oscillates on both sides.
+//! would be 0. The coordinates are relative to the query and divided by R, with a small ridge on the second-order
+//! terms, which keeps sum L = 1 and the first order exact where the samples do not determine the second. Samples beyond
+//! a jump of the solution are not used, because a polynomial through a jump oscillates on both sides.
 
 use super::search::Search;
 use super::weights::Storage;
@@ -35,9 +35,9 @@ pub(crate) fn weight<T: Real>(d: T) -> T {
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Weights of the samples at a query by diffuse approximation: A p(theta_q) of eqs. (25) and (30) is linear in the
-    /// data, with L = W P (P^T W P)^-1 p(theta_q). `query` has the samples' number of parameters. Samples beyond the jump
-    /// curve are not used. `left_out` is a sample that is not used either: the offline stage leaves out one sample at a
-    /// time to measure the errors; the online stage passes none. `scratch` has [`SCRATCH`](Self::SCRATCH) numbers.
+    /// data, with L = W P (P^T W P)^-1 p(theta_q). `query` has the samples' number of parameters. Samples beyond the
+    /// jump curve are not used. `left_out` is a sample that is not used either: the offline stage leaves out one sample
+    /// at a time to measure the errors; the online stage passes none. `scratch` has [`SCRATCH`](Self::SCRATCH) numbers.
     ///
     /// # Errors
     /// As [`kernel`](Self::kernel).

@@ -1,9 +1,9 @@
 //! Quintic kernel with a quadratic tail on the nearest samples (universal kriging).
 //!
 //! The weights minimise the variance of the error under the generalised covariance -r^5 with a nugget, subject to the
-//! exact reproduction of quadratics. They are computed in the null space of the constraints, where the kernel's matrix is
-//! positive definite: so sum L = 1 holds to rounding in single precision, which neither a stored inverse nor the full
-//! indefinite system achieves.
+//! exact reproduction of quadratics. They are computed in the null space of the constraints, where the kernel's matrix
+//! is positive definite: so sum L = 1 holds to rounding in single precision, which neither a stored inverse nor the
+//! full indefinite system achieves.
 
 use super::search::Search;
 use super::weights::{Storage, covariance};
@@ -16,19 +16,19 @@ use crate::{Parameters, Real};
 
 /// Degree of the tail.
 const DEGREE: usize = 2;
-/// Nugget (variance of the data's own scatter) in units of the kernel at the distance of the farthest sample: differences
-/// between samples closer than a tenth of that distance are not extrapolated. Without it, samples close to each other
-/// (0.00125 in Ca near the steady limit) make the matrix too ill-conditioned for single precision: one answer in a
-/// hundred is wrong by up to 0.3 a.
+/// Nugget (variance of the data's own scatter) in units of the kernel at the distance of the farthest sample:
+/// differences between samples closer than a tenth of that distance are not extrapolated. Without it, samples close to
+/// each other (0.00125 in Ca near the steady limit) make the matrix too ill-conditioned for single precision: one
+/// answer in a hundred is wrong by up to 0.3 a.
 const NUGGET: f32 = 3e-5;
 /// Squared distance, in that of the farthest sample, up to which the nugget is constant.
 const NEAR: f32 = 0.6;
 /// Nugget of the farthest sample.
 const FAR_NUGGET: f32 = 3.0;
 
-/// Nugget of a sample at a squared distance, in that of the farthest. It grows smoothly towards the farthest, whose weight
-/// it makes small: samples that enter or leave the stencil as the query moves have small weights. A constant nugget would
-/// make the answer jump there, by up to 8 % of a near the jump curve.
+/// Nugget of a sample at a squared distance, in that of the farthest. It grows smoothly towards the farthest, whose
+/// weight it makes small: samples that enter or leave the stencil as the query moves have small weights. A constant
+/// nugget would make the answer jump there, by up to 8 % of a near the jump curve.
 #[inline(never)]
 fn nugget<T: Real>(square: T) -> T {
     let far = (square - T::from_f32(NEAR)).max(T::ZERO) / T::from_f32(1.0 - NEAR);
@@ -37,8 +37,8 @@ fn nugget<T: Real>(square: T) -> T {
 
 impl<T: Real, const N: usize> Weights<T, N> {
     /// Weights of the samples at a query by the quintic kernel in the coordinates. `query` has the samples' number of
-    /// parameters. `left_out` is a sample that is not used: the offline stage leaves out one sample at a time to measure
-    /// the errors; the online stage passes none. `scratch` has [`SCRATCH`](Self::SCRATCH) numbers.
+    /// parameters. `left_out` is a sample that is not used: the offline stage leaves out one sample at a time to
+    /// measure the errors; the online stage passes none. `scratch` has [`SCRATCH`](Self::SCRATCH) numbers.
     ///
     /// Where the nearest samples lie on a surface of second degree, the dependent monomials are left out of the tail.
     /// Where the query's side of the jump curve holds too few samples, those of the other side are used too, and the
@@ -126,8 +126,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         Ok(())
     }
 
-    /// column <- 1 at the samples beyond the jump curve, else 0: the constraint on this column makes the weights reproduce
-    /// a constant jump.
+    /// column <- 1 at the samples beyond the jump curve, else 0: the constraint on this column makes the weights
+    /// reproduce a constant jump.
     fn indicate_jump(
         &self,
         coordinates: &Coordinates<'_>,

@@ -1,8 +1,9 @@
 //! Interpolation in the parameters: f(theta) = sum_j L_j(theta) f(theta_j), linear in the data.
 //!
 //! [`Coordinates`] transforms the parameters, `search` finds the nearest samples, and [`Weights`] holds the L_j. Two
-//! methods compute them: `kernel`, a quintic kernel with a quadratic tail, for [`Method::Direct`](crate::Method::Direct),
-//! and `diffuse`, the diffuse approximation of the paper (section 3.4.1), for [`Method::Paper`](crate::Method::Paper).
+//! methods compute them: `kernel`, a quintic kernel with a quadratic tail, for
+//! [`Method::Direct`](crate::Method::Direct), and `diffuse`, the diffuse approximation of the paper (section 3.4.1),
+//! for [`Method::Paper`](crate::Method::Paper).
 
 mod coordinates;
 mod diffuse;

@@ -36,8 +36,8 @@ impl<T: Real> Search<'_, '_, T> {
         }
     }
 
-    /// Whether the jump curve lies between the query and a sample. `cached` holds the last a/l and Ca of the curve there,
-    /// because samples come in rows of equal a/l.
+    /// Whether the jump curve lies between the query and a sample. `cached` holds the last a/l and Ca of the curve
+    /// there, because samples come in rows of equal a/l.
     fn separated(&self, sample: usize, cached: &mut (T, Option<T>)) -> bool {
         let (numbers, _) = self.parameters.blob.data.as_chunks::<4>();
         let (Some(side), Some([first, second])) = (
@@ -64,8 +64,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         let (numbers, _) = search.points.blob.data.as_chunks::<4>();
         let last = |values: &[T; MAX_PARAMETERS]| values.get(dimensions - 1).copied().unwrap_or(T::ONE);
         let (own, scale) = (last(&search.query), last(&search.scales));
-        // The points are sorted by the last coordinate. The search starts at the query's and goes down and up, the nearer
-        // first, until the difference in this coordinate alone exceeds the distance of all points in the list.
+        // The points are sorted by the last coordinate. The search starts at the query's and goes down and up, the
+        // nearer first, until the difference in this coordinate alone exceeds the distance of all points in the list.
         let [mut start, mut end] = [0, numbers.len() / dimensions];
         while start < end {
             let middle = (start + end) / 2;

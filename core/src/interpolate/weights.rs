@@ -11,8 +11,8 @@ use crate::model::wire::MAX_PARAMETERS;
 /// errors of the data.
 pub(super) const REACH: f32 = 10.0;
 
-/// Rounding error of the variance in single precision, in units of (sum |L_j|)^2. Double precision uses the same, so that
-/// both report the same expected error.
+/// Rounding error of the variance in single precision, in units of (sum |L_j|)^2. Double precision uses the same, so
+/// that both report the same expected error.
 const VARIANCE_ROUNDING: f32 = 1e-6;
 
 /// Weights L_j of at most `N` samples at a query, and the offsets of the samples from it.
@@ -143,12 +143,13 @@ impl<T: Real, const N: usize> Weights<T, N> {
     }
 
     /// Standard deviation of the interpolation error for data with a generalised covariance: -r^5 for weights of the
-    /// kernel, which reproduce quadratics, r^3 for the diffuse approximation, which is sure to reproduce linear functions
-    /// only. It is the power function of that covariance (Wendland, Scattered Data Approximation, 2005, chapter 11): 0 at a
-    /// sample that the weights interpolate, and growing with the distance from the samples to the power 5/2 or 3/2.
+    /// kernel, which reproduce quadratics, r^3 for the diffuse approximation, which is sure to reproduce linear
+    /// functions only. It is the power function of that covariance (Wendland, Scattered Data Approximation, 2005,
+    /// chapter 11): 0 at a sample that the weights interpolate, and growing with the distance from the samples to the
+    /// power 5/2 or 3/2.
     ///
-    /// Far outside the samples cancellation leaves the variance undetermined, also in its sign. It is therefore at least
-    /// the rounding error of the squared weights.
+    /// Far outside the samples cancellation leaves the variance undetermined, also in its sign. It is therefore at
+    /// least the rounding error of the squared weights.
     pub fn deviation(&self) -> T {
         let lebesgue = self.lebesgue();
         let rounding = T::from_f32(VARIANCE_ROUNDING) * (lebesgue * lebesgue - T::ONE);
@@ -166,8 +167,8 @@ impl<T: Real, const N: usize> Weights<T, N> {
         offset.map_or(T::ZERO, |offset| square(*offset).sqrt() * self.radius)
     }
 
-    /// Variance of the interpolation error, L^T S L - 2 L^T s, with the covariances S of the samples and s of the samples
-    /// with the query.
+    /// Variance of the interpolation error, L^T S L - 2 L^T s, with the covariances S of the samples and s of the
+    /// samples with the query.
     pub(super) fn quadratic_form(&self) -> T {
         let two = T::from_f32(2.0);
         let mut sum = T::ZERO;

@@ -3,8 +3,8 @@
 use super::{add_scaled, dot_in_order, slice_or_empty, slice_or_empty_mut};
 use crate::Real;
 
-/// Solves the system of the trailing block (rows and columns from `first` on) of a symmetric matrix for the same entries
-/// of `b`, in place. A pivot that is not positive beyond rounding sets its component of the solution to 0.
+/// Solves the system of the trailing block (rows and columns from `first` on) of a symmetric matrix for the same
+/// entries of `b`, in place. A pivot that is not positive beyond rounding sets its component of the solution to 0.
 pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize, b: &mut [T; N]) {
     let n = matrix.len().min(N);
     let mut largest = T::ZERO;

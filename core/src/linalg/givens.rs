@@ -1,5 +1,5 @@
-//! Givens rotations: a triangular factor that takes in one row at a time (Golub and Van Loan, Matrix Computations, 2013,
-//! sections 5.1.8 and 6.5.3).
+//! Givens rotations: a triangular factor that takes in one row at a time (Golub and Van Loan, Matrix Computations,
+//! 2013, sections 5.1.8 and 6.5.3).
 
 use super::slice_or_empty_mut;
 use crate::Real;

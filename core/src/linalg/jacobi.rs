@@ -21,7 +21,8 @@ pub(crate) struct Rotations<T> {
 }
 
 impl<T: Real> Rotations<T> {
-    /// Starts the first sweep. Rotations that move rows by no more than `negligible` times the longest norm are skipped.
+    /// Starts the first sweep. Rotations that move rows by no more than `negligible` times the longest norm are
+    /// skipped.
     pub(crate) fn new<const K: usize>(rows: &[[T; K]], columns: usize, negligible: T) -> Self {
         let largest = rows.iter().map(|row| square(row, columns)).fold(T::ZERO, T::max);
         Self {

@@ -3,8 +3,8 @@
 
 use crate::Real;
 
-/// QuantizedRef a matrix, of which the upper half is read, and returns its solution operator: right-hand side to solution.
-/// Directions with a pivot of 0 get the component 0.
+/// QuantizedRef a matrix, of which the upper half is read, and returns its solution operator: right-hand side to
+/// solution. Directions with a pivot of 0 get the component 0.
 pub(crate) fn factor<T: Real>([[a, b, c], [_, d, e], [_, _, f]]: [[T; 3]; 3]) -> impl Fn([T; 3]) -> [T; 3] {
     let a = reciprocal(a);
     let (l, m) = (a * b, a * c);

@@ -45,8 +45,8 @@ impl<T: Real> Deformation<T> {
         [greatest.sqrt(), (determinant(metric(&self.first)) / greatest).sqrt()]
     }
 
-    /// Unit vectors along the principal directions of lambda_1 and lambda_2, tangent to the current surface. Two arbitrary
-    /// orthogonal directions where the stretch is isotropic.
+    /// Unit vectors along the principal directions of lambda_1 and lambda_2, tangent to the current surface. Two
+    /// arbitrary orthogonal directions where the stretch is isotropic.
     pub fn directions(&self) -> [[T; 3]; 2] {
         let [m11, m22, m12] = metric(&self.first);
         let half = (m11 - m22) / T::from_f32(2.0);
@@ -78,8 +78,8 @@ impl<T: Real> Deformation<T> {
         energy_density(metric[0] + metric[1], determinant(metric))
     }
 
-    /// Load q of the fluid on the membrane per current area, in mu V / l: the jump of traction of eq. (8), which is minus
-    /// the surface divergence of the tension over `capillary_number`.
+    /// Load q of the fluid on the membrane per current area, in mu V / l: the jump of traction of eq. (8), which is
+    /// minus the surface divergence of the tension over `capillary_number`.
     ///
     /// # Errors
     /// [`EvaluateError::NotFinite`].
@@ -90,8 +90,8 @@ impl<T: Real> Deformation<T> {
         let square = determinant(metric);
         let [s11, s22, s12] = stress(metric);
         let product = |a: Vector3<T>, b: Vector3<T>| dot(a.as_slice(), b.as_slice());
-        // Derivatives of the metric, and of the stress along its first index. Derivatives of the stress-free metric are 0
-        // in the coordinates of a stencil.
+        // Derivatives of the metric, and of the stress along its first index. Derivatives of the stress-free metric are
+        // 0 in the coordinates of a stencil.
         let along_1 = [
             two * product(x11, x1),
             two * product(x12, x2),
@@ -125,7 +125,8 @@ pub(super) fn energy_density<T: Real>(trace: T, determinant: T) -> T {
     T::from_f32(0.5) * (trace + T::ONE / determinant - T::from_f32(3.0))
 }
 
-/// Second Piola-Kirchhoff tension S = I - C^-1 / det C (eq. (9), referred to the stress-free state): components 11, 22, 12.
+/// Second Piola-Kirchhoff tension S = I - C^-1 / det C (eq. (9), referred to the stress-free state): components 11, 22,
+/// 12.
 fn stress<T: Real>(metric: [T; 3]) -> [T; 3] {
     let [m11, m22, m12] = metric;
     let square = determinant(metric);

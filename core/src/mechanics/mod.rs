@@ -2,8 +2,8 @@
 //!
 //! The stress-free capsule is a sphere, and the current position is a smooth function on it. A [`Stencil`] holds the
 //! weights of the first two derivatives of that function at a node; it depends on the mesh only, so it is the same for
-//! every instant and query. A [`Membrane`] is the surface at an instant; it gives the [`Deformation`] at a stencil's node,
-//! from which all local quantities follow, and the [`Totals`].
+//! every instant and query. A [`Membrane`] is the surface at an instant; it gives the [`Deformation`] at a stencil's
+//! node, from which all local quantities follow, and the [`Totals`].
 //!
 //! Vectors are nalgebra's, whose component-wise operations and cross product have the order of the formulas. Scalar
 //! products are those of `linalg`: nalgebra adds (x + y) + z, and all targets here add (x + z) + y.

@@ -15,10 +15,10 @@ const MONOMIALS: usize = 14;
 /// Last monomials, whose coefficients are the derivatives: u, v, u^2/2, u v, v^2/2.
 const DERIVATIVES: usize = 5;
 
-/// Weights of the first and second derivatives at a node, by a weighted least-squares fit of a polynomial of degree four to
-/// the nearest nodes. Second derivatives are at least third-order accurate on any mesh, whereas the derivatives of the
-/// elements' quadratics oscillate from node to node. Shapes that turn within five spacings of the nodes are not resolved:
-/// at a sharp rim the error of the load is 10 to 50 %, that of stretches and tensions much less.
+/// Weights of the first and second derivatives at a node, by a weighted least-squares fit of a polynomial of degree
+/// four to the nearest nodes. Second derivatives are at least third-order accurate on any mesh, whereas the derivatives
+/// of the elements' quadratics oscillate from node to node. Shapes that turn within five spacings of the nodes are not
+/// resolved: at a sharp rim the error of the load is 10 to 50 %, that of stretches and tensions much less.
 ///
 /// The coordinates are those of the stereographic projection from the opposite point of the sphere: at the node their
 /// metric is the identity, and its derivatives are 0.
@@ -68,7 +68,8 @@ impl<T: Real> Stencil<T> {
             *number = neighbour.number.into();
             *scaled = offset.map(|x| x / radius);
         }
-        // Weights that decrease with the distance. The cube halves the error at rims, which are as narrow as the stencil.
+        // Weights that decrease with the distance. The cube halves the error at rims, which are as narrow as the
+        // stencil.
         let factors = scaled.map(|offset| {
             let factor = T::ONE - dot(&offset, &offset);
             factor * factor * factor
@@ -140,8 +141,8 @@ const MIN_AREA_DILATION: f32 = 1e-3;
 /// Distance in the projection beyond that of all nodes within 120 degrees.
 const FAR: f32 = 4.0;
 
-/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; points beyond 120 degrees are
-/// mapped to the distance [`FAR`].
+/// Coordinates of a point of the unit sphere in the stereographic projection around `centre`; points beyond 120 degrees
+/// are mapped to the distance [`FAR`].
 fn projection<T: Real>(centre: [T; 3], axes: &[[T; 3]; 2], point: [T; 3]) -> [T; 2] {
     let chord = Vector3::from(point) - Vector3::from(centre);
     let square = dot(chord.as_slice(), chord.as_slice());

@@ -14,9 +14,9 @@ pub struct Parameters<T> {
 }
 
 impl Parameters<f32> {
-    /// The parameters in a slice of doubles; none unless there are one to [`MAX_PARAMETERS`]. The rounding errors of the
-    /// conversion to single precision are stored too, so that values with a large offset (10000.2 in a range of 0.4) keep
-    /// their precision:
+    /// The parameters in a slice of doubles; none unless there are one to [`MAX_PARAMETERS`]. The rounding errors of
+    /// the conversion to single precision are stored too, so that values with a large offset (10000.2 in a range of
+    /// 0.4) keep their precision:
     ///
     /// ```
     /// use capsule_core::Parameters;

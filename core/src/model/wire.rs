@@ -209,7 +209,8 @@ pub struct Samples<'a> {
     /// `[N_c, P]`: rows of scaled parameters, rising: ordered by the last one, equal ones by the one before it.
     #[cfg_attr(feature = "write", serde(borrow))]
     pub parameters: Matrix<'a>,
-    /// `[N_c, P]`: their [coordinates](crate::interpolate::Coordinates::transform), in which [`Method::Direct`] takes distances.
+    /// `[N_c, P]`: their [coordinates](crate::interpolate::Coordinates::transform), in which [`Method::Direct`] takes
+    /// distances.
     pub places: Matrix<'a>,
 }
 

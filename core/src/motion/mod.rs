@@ -1,8 +1,8 @@
 //! The interpolated motion of a query at any instant: the double POD of section 3.3, contracted with the weights.
 //!
-//! The coefficients of the modes are cubic splines in time. Their control vectors are the slices of the core tensor times
-//! psi (eqs. 23 and 24). Four of them define the motion between two knots; they are cached, so that another instant there
-//! costs four multiplications a coefficient. `spline` evaluates the B-splines.
+//! The coefficients of the modes are cubic splines in time. Their control vectors are the slices of the core tensor
+//! times psi (eqs. 23 and 24). Four of them define the motion between two knots; they are cached, so that another
+//! instant there costs four multiplications a coefficient. `spline` evaluates the B-splines.
 
 pub(crate) mod spline;
 

@@ -5,9 +5,10 @@
 //! translation, the others are the leading left singular vectors of the shape's coefficients.
 //!
 //! The snapshots of one query have a low numerical rank r. A pivoted LQ factorisation in place reduces them to r
-//! coordinates each, Givens rotations gather these into an r x r upper triangular factor, and one-sided Jacobi rotations
-//! make its rows orthogonal. The factor is upper triangular because its rows then become shorter as the coordinates do,
-//! which saves rotations. No product of the snapshots is formed: the condition number is that of the snapshots.
+//! coordinates each, Givens rotations gather these into an r x r upper triangular factor, and one-sided Jacobi
+//! rotations make its rows orthogonal. The factor is upper triangular because its rows then become shorter as the
+//! coordinates do, which saves rotations. No product of the snapshots is formed: the condition number is that of the
+//! snapshots.
 
 use super::{Factor, PAPER_ROW, SNAPSHOTS};
 use crate::Real;
@@ -54,10 +55,11 @@ impl<T: Real, const M: usize> Basis<T, M> {
         rows: [[T::ZERO; PAPER_ROW]; M],
     };
 
-    /// Does one piece of the computation of a field's basis from its snapshots at all stored instants: one snapshot, one
-    /// reflection, one row of the factor, one row of rotations or one mode. Returns none when the basis is complete.
-    /// `snapshot` computes the `rank` coefficients at a stored instant. `factor` stores the snapshots and must not change
-    /// between the pieces. The local rank is at most `wanted`, and less where the snapshots have a lower rank.
+    /// Does one piece of the computation of a field's basis from its snapshots at all stored instants: one snapshot,
+    /// one reflection, one row of the factor, one row of rotations or one mode. Returns none when the basis is
+    /// complete. `snapshot` computes the `rank` coefficients at a stored instant. `factor` stores the snapshots and
+    /// must not change between the pieces. The local rank is at most `wanted`, and less where the snapshots have a
+    /// lower rank.
     pub(crate) fn step(
         &mut self,
         stage: &mut BasisStage<T>,

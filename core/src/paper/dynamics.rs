@@ -1,8 +1,8 @@
 //! Reduced time stepping (Algorithm 2 of the paper, eqs. 47 to 49).
 //!
 //! The velocities of the data are those of the full-order model, not difference quotients. From the start they decay as
-//! fast as the membrane relaxes, where forward Euler is stable for very small steps only. So a step is divided into equal
-//! substeps, as many as the local relaxation rate of the learned manifold needs.
+//! fast as the membrane relaxes, where forward Euler is stable for very small steps only. So a step is divided into
+//! equal substeps, as many as the local relaxation rate of the learned manifold needs.
 
 use crate::linalg::{add_scaled, dot, slice_or_empty_mut};
 use crate::model::wire::Paper;
@@ -16,8 +16,8 @@ use crate::parts::Parts;
 use crate::{Real, Scheme};
 use core::mem::offset_of;
 
-/// Maximum of substep times relaxation rate. Forward Euler damps without oscillation up to 1, and its error is small far
-/// below.
+/// Maximum of substep times relaxation rate. Forward Euler damps without oscillation up to 1, and its error is small
+/// far below.
 const STABLE: f32 = 0.25;
 /// Maximum number of substeps of a step.
 const MAX_SUBSTEPS: usize = 64;

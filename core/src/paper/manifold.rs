@@ -39,8 +39,8 @@ impl<T: Real, const M: usize> Manifold<T, M> {
         self.window.span = [T::ZERO; 2];
     }
 
-    /// Moves the window to `t`, with R = `width` times the snapshot interval that holds t. `fetch` computes the snapshot
-    /// at a stored instant, once for as long as the instant stays in the window.
+    /// Moves the window to `t`, with R = `width` times the snapshot interval that holds t. `fetch` computes the
+    /// snapshot at a stored instant, once for as long as the instant stays in the window.
     pub(crate) fn move_to(
         &mut self,
         times: &Times<'_>,

@@ -1,6 +1,6 @@
 //! The published method (Boubehziz et al., Entropy 2021): `basis` finds the local POD bases of a query (section 3.4.2),
-//! `manifold` the learned equilibrium xi = M(alpha, t) (section 3.4.4) from a `window` of snapshots around an instant, and
-//! `dynamics` steps alpha in time (Algorithm 2). All of it works in the coefficients of the global modes.
+//! `manifold` the learned equilibrium xi = M(alpha, t) (section 3.4.4) from a `window` of snapshots around an instant,
+//! and `dynamics` steps alpha in time (Algorithm 2). All of it works in the coefficients of the global modes.
 
 pub(crate) mod basis;
 pub(crate) mod dynamics;

@@ -5,7 +5,8 @@
 //! scaled by the spread of the window's snapshots and an undamped constant: in raw monomials the constant competes with
 //! the translation, and the solution drifts. The translation has a scale of its own. The shape's coordinates share one,
 //! because they are orthonormal: with a scale each, the smallest modes, which hardly move, would dominate and the state
-//! would diverge. A floor of the shape's scale keeps a window in which the shape is at rest from amplifying a deviation.
+//! would diverge. A floor of the shape's scale keeps a window in which the shape is at rest from amplifying a
+//! deviation.
 
 use super::snapshot::Snapshot;
 use super::times::Times;
@@ -142,9 +143,9 @@ impl<T: Real, const M: usize> Window<T, M> {
         ]
     }
 
-    /// The weighted least-norm first-order fit at `t`: the shares of the differences in the fitted value at a state, and
-    /// in the response to a deviation from it. `products` are the scalar products of both with the differences, `shifts`
-    /// their translations.
+    /// The weighted least-norm first-order fit at `t`: the shares of the differences in the fitted value at a state,
+    /// and in the response to a deviation from it. `products` are the scalar products of both with the differences,
+    /// `shifts` their translations.
     ///
     /// Let K be the products of the scaled differences, k their products with the state, and W the diagonal of weights.
     /// The shares s of all snapshots solve the dual system of eq. (45), (K + ridge W^-1) s + mu = k, with the sum 1 for

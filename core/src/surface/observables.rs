@@ -5,11 +5,11 @@ use crate::error::{EvaluateError, finite};
 use crate::model::{DIAGONAL, Indices, MIDPLANE, Model};
 use crate::surface::reconstruct::{Plane, Snapshot};
 
-/// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are those of the two outlines; an
-/// extreme is the vertex of the parabola through the extreme node of an outline and its two neighbours, taken as
-/// equidistant. For a model without outlines they are the extents of all nodes: half the extent along y is the half width,
-/// half the extent along the direction y = z the half diagonal, and the rear pole is the point where the parallel to the
-/// axis through the middle of the extents enters the surface.
+/// Scalars of an instant, lengths in l, velocity in V (or the model's units). The lengths are those of the two
+/// outlines; an extreme is the vertex of the parabola through the extreme node of an outline and its two neighbours,
+/// taken as equidistant. For a model without outlines they are the extents of all nodes: half the extent along y is the
+/// half width, half the extent along the direction y = z the half diagonal, and the rear pole is the point where the
+/// parallel to the axis through the middle of the extents enters the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observables<T> {
     /// max x - min x over both outlines.
@@ -146,8 +146,8 @@ impl<T: Real> Outline<T> {
     }
 }
 
-/// Maximum of a sequence of values, with its two neighbours. A neighbour is missing at an end only. There, at a pole, the
-/// outline continues as its mirror image, so the vertex of the parabola is the node.
+/// Maximum of a sequence of values, with its two neighbours. A neighbour is missing at an end only. There, at a pole,
+/// the outline continues as its mirror image, so the vertex of the parabola is the node.
 #[derive(Clone, Copy)]
 struct Maximum<T> {
     last: [Option<T>; 2],

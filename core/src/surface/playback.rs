@@ -2,7 +2,8 @@
 //!
 //! Between two knots the surface is a linear combination of four surfaces, those of the control vectors with nonzero
 //! splines there: a frame costs four multiplications a number, for any number of modes. The surfaces of four successive
-//! control vectors are computed together, when the first of them is needed; two such groups hold the four of any instant.
+//! control vectors are computed together, when the first of them is needed; two such groups hold the four of any
+//! instant.
 
 use crate::Real;
 use crate::error::EvaluateError;
@@ -19,8 +20,8 @@ const GROUPS: usize = 2;
 /// Number of cached surfaces.
 const SURFACES: usize = GROUPS * ORDER;
 
-/// Cache of [`Evaluator::frame`](crate::Evaluator::frame) between frames, in the caller's storage: an array, a slice or a
-/// vector of [`playback_len`] numbers.
+/// Cache of [`Evaluator::frame`](crate::Evaluator::frame) between frames, in the caller's storage: an array, a slice or
+/// a vector of [`playback_len`] numbers.
 #[derive(Clone, Debug)]
 pub struct Playback<T, R> {
     storage: R,
@@ -161,8 +162,8 @@ fn compute_panels<T: Real, const P: usize>(
     }
 }
 
-/// frame <- a linear combination of surfaces, translated along x, followed by its -y and -z. Returns whether all numbers
-/// are finite.
+/// frame <- a linear combination of surfaces, translated along x, followed by its -y and -z. Returns whether all
+/// numbers are finite.
 fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], translation: T, frame: &mut [T]) -> bool {
     in_vectors(
         #[inline(always)]
@@ -180,8 +181,8 @@ fn combine<T: Real>([p, q, r, s]: [T; ORDER], [a, b, c, d]: [&[T]; ORDER], trans
     )
 }
 
-/// out <- the images of the sector's nodes. `sector` holds x, y, z, -y and -z, so a symmetry operation selects two of the
-/// last four.
+/// out <- the images of the sector's nodes. `sector` holds x, y, z, -y and -z, so a symmetry operation selects two of
+/// the last four.
 fn mirror<T: Real>(mesh: &Mesh<'_>, sector: &[T], out: &mut [[T; 3]]) {
     let stride = LANES * mesh.panels();
     let values = |component: usize| slice_or_empty(sector, stride * component..stride * (component + 1));

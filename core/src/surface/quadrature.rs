@@ -4,8 +4,8 @@ use crate::Real;
 use crate::error::{EvaluateError, finite};
 use crate::model::{Mesh, apply};
 
-/// Quadrature of degree 4 with six points (Dunavant, 1985), in two orbits of three: the barycentric coordinate that two of
-/// three share, the third one, and the weight for the unit triangle of area 1/2.
+/// Quadrature of degree 4 with six points (Dunavant, 1985), in two orbits of three: the barycentric coordinate that two
+/// of three share, the third one, and the weight for the unit triangle of area 1/2.
 const QUADRATURE: [[f64; 3]; 2] = [
     [
         0.445_948_490_915_965,
@@ -112,8 +112,8 @@ fn combine<T: Real>(weights: &[T; 6], value: impl Fn(usize) -> T) -> T {
     (0..6).map(|i| weights[i] * value(i)).sum()
 }
 
-/// Integrals over the surface: sums of `weight * integrand` over the elements and their quadrature points. `node` gives `W`
-/// values at a node; the integrand receives those of the element's six nodes.
+/// Integrals over the surface: sums of `weight * integrand` over the elements and their quadrature points. `node` gives
+/// `W` values at a node; the integrand receives those of the element's six nodes.
 ///
 /// # Errors
 /// Those of `node`; [`EvaluateError::NotFinite`].

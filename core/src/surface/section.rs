@@ -4,13 +4,13 @@ use crate::Real;
 use crate::error::EvaluateError;
 use crate::model::Mesh;
 
-/// A segment of a cross-section: two points [y, z]. Seen from the front (from larger x), the inside of the surface is to
-/// the left of the direction from the first to the second.
+/// A segment of a cross-section: two points [y, z]. Seen from the front (from larger x), the inside of the surface is
+/// to the left of the direction from the first to the second.
 pub type Segment<T> = [[T; 2]; 2];
 
-/// Cuts a surface by the plane at `x` into segments, in the first entries of `out`; returns their number. Each element is
-/// cut as four flat triangles (or one), so it has at most four segments. They form closed curves, in no order; a shared
-/// point has the same bits in both its segments. `positions` are those of all nodes.
+/// Cuts a surface by the plane at `x` into segments, in the first entries of `out`; returns their number. Each element
+/// is cut as four flat triangles (or one), so it has at most four segments. They form closed curves, in no order; a
+/// shared point has the same bits in both its segments. `positions` are those of all nodes.
 ///
 /// # Errors
 /// [`EvaluateError::BufferTooShort`] for `positions`, or for `out` with the number of segments needed.

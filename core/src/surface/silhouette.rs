@@ -21,10 +21,10 @@ const PLACES: [[f32; 3]; 6] = [
     [0.5, 0.0, 0.5],
 ];
 
-/// The silhouette on the plane of the axis and the direction `across` = [cos, sin], of length 1: w = cos y + sin z, seen
-/// along (0, -sin, cos). [1, 0] looks along z; [1, 1] / sqrt 2 along the diagonal. Fills `out` with points [x, w] on the
-/// side w >= 0, front to rear, as many as there is room for (at least 3). The square's symmetry makes the other side the
-/// mirror image.
+/// The silhouette on the plane of the axis and the direction `across` = [cos, sin], of length 1: w = cos y + sin z,
+/// seen along (0, -sin, cos). [1, 0] looks along z; [1, 1] / sqrt 2 along the diagonal. Fills `out` with points [x, w]
+/// on the side w >= 0, front to rear, as many as there is room for (at least 3). The square's symmetry makes the other
+/// side the mirror image.
 ///
 /// The points lie on rays from the middle of the axial extent, about as far from each other in angle: with
 /// u = 2 k / (count - 1), the ray's direction is (1 - u^2, 2 u) in the front half, and mirrored in the rear half.

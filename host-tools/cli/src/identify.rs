@@ -29,7 +29,7 @@ pub struct Options {
     /// Viscosity of the liquid, in Pa s
     #[arg(long)]
     viscosity_pa_s: f64,
-    /// What the contour is, or the outline that the lengths are of
+    /// The kind of the contour, or of the outline that the lengths belong to
     #[arg(long, value_enum)]
     observable: ObservableName,
     /// Unit of the contour's numbers [default: as its headings say]

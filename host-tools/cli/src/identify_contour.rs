@@ -18,7 +18,7 @@ pub struct ContourFile {
     pub points: Vec<[f64; 2]>,
     /// The unit, if the headings name one.
     pub unit: Option<Unit>,
-    /// What was found out about the file, in words.
+    /// Notes on the file, in words.
     pub format: String,
 }
 

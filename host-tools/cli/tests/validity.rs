@@ -99,8 +99,8 @@ fn an_extrapolated_answer_is_a_guess_without_a_bound_and_an_impossible_one_is_re
     );
 }
 
-/// The example of docs/guides/own-data.md: nine configurations, seven instants. Between them, at an instant at which the
-/// motion is too fast for them, the model differs from its source by more than a per cent; its bound says so.
+/// The example of docs/guides/own-data.md: nine configurations, seven instants. Between them, at an instant at which
+/// the motion is too fast for them, the model differs from its source by more than a per cent; its bound says so.
 #[test]
 fn the_bound_of_the_example_in_the_documents_holds() {
     let folder = tempfile::tempdir().unwrap();

@@ -251,7 +251,7 @@ pub(crate) fn of_collection(
         Ok(Sample {
             given: given[configuration].clone(),
             parameters: collection.parameters[configuration].clone(),
-            // What it has not stopped doing it may go on doing: nothing is extended.
+            // A capsule that still changes may go on changing: nothing is extended.
             steady: true,
             dent: Dent::default(),
             displacement,

@@ -32,7 +32,7 @@ fn tilted() -> Mesh {
     }
 }
 
-/// What multiplies the parameters within the sine, and its amplitude.
+/// Factors of the parameters within the sine, and its amplitude.
 const WAVE: [f64; 4] = [1.1, -0.7, 0.9, 0.6];
 const AMPLITUDE: f64 = 0.1;
 

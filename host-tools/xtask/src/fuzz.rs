@@ -83,8 +83,8 @@ pub fn fuzz(options: &Options) -> Result<()> {
 }
 
 impl Target {
-    /// A call of cargo-fuzz. Numerical code compares in every line: tracing each comparison finds nothing and takes most
-    /// of the time.
+    /// A call of cargo-fuzz. Numerical code compares in every line: tracing each comparison finds nothing and takes
+    /// most of the time.
     fn cargo_fuzz(&self, what: &str, folder: &Path) -> Command {
         let Self { name, sanitizer, .. } = self;
         let mut cargo_fuzz = command(&format!(

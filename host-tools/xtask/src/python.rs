@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Builds the wheel, installs it into a folder of its own, and runs the package's tests with `program`, the command that
-/// the numbers are compared with.
+/// Builds the wheel, installs it into a folder of its own, and runs the package's tests with `program`, the command
+/// that the numbers are compared with.
 pub fn test(program: &Path) -> Result<()> {
     let (wheels, package) = (target_directory().join("wheels"), target_directory().join("python"));
     for folder in [&wheels, &package] {

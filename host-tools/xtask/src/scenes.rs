@@ -1,5 +1,5 @@
-//! The cost of each scene, as a table for docs/reports/speed.md: the counts and times of `capsule-rom study scenes`, and
-//! the instructions counted by callgrind.
+//! The cost of each scene, as a table for docs/reports/speed.md: the counts and times of `capsule-rom study scenes`,
+//! and the instructions counted by callgrind.
 
 use crate::command::{command, output, run};
 use crate::{setup, target_directory};

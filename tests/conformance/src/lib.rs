@@ -1,4 +1,5 @@
-//! Queries with the bits of their answers, one a line of `vectors.txt`; docs/reference/conformance.md describes the format.
+//! Queries with the bits of their answers, one a line of `vectors.txt`; docs/reference/conformance.md describes the
+//! format.
 //!
 //! The same code asks on every target: the tests on this machine, the firmware on Cortex-M, Node and Chromium through
 //! the functions that its module exports. It needs no allocator.

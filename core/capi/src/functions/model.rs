@@ -7,7 +7,8 @@ use crate::{Description, Method, Model, Parameter, Status, Workspace};
 use capsule_core as rom;
 use core::ffi::{c_char, c_void};
 
-/// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled with.
+/// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled
+/// with.
 #[unsafe(no_mangle)]
 pub extern "C" fn capsule_v1_version() -> *const c_char {
     const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");

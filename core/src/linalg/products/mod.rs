@@ -1,5 +1,5 @@
-//! Products of panels of small integers with quantised vectors. Sums of integers are exact, so every target adds them in
-//! the order that suits it and comes to the same bits.
+//! Products of panels of small integers with quantised vectors. Sums of integers are exact, so every target adds them
+//! in the order that suits it and comes to the same bits.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

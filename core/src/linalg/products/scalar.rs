@@ -5,8 +5,8 @@ use crate::linalg::LANES;
 use core::fmt::Debug;
 use core::ops::Mul;
 
-/// A scalar whose products with stored integers are sums of integers: they are exact, so that their order does not change a
-/// bit, and take a microcontroller a quarter of the time of a floating-point sum.
+/// A scalar whose products with stored integers are sums of integers: they are exact, so that their order does not
+/// change a bit, and take a microcontroller a quarter of the time of a floating-point sum.
 ///
 /// Private to the workspace: implemented by `f32`, `f64`, and the counting scalar of `capsule-opcount`.
 pub trait ProductScalar: Copy + Mul<Output = Self> + 'static {

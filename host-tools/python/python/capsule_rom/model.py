@@ -127,7 +127,8 @@ class Model:
         arrays = np.broadcast_arrays(*(np.asarray(values, dtype=np.float64) for values in parameters))
         shape = arrays[0].shape if arrays else ()
         size = int(np.prod(shape))
-        rows = np.ascontiguousarray(np.stack([values.ravel() for values in arrays], axis=1) if arrays else np.empty((1, 0)))
+        flat = [values.ravel() for values in arrays]
+        rows = np.ascontiguousarray(np.stack(flat, axis=1) if flat else np.empty((1, 0)))
         batch = _core.Batch(self._core, rows.reshape(size, len(arrays)), method, extrapolate, invalid == "nan")
         return Prediction(self._core, batch, shape)
 

@@ -87,7 +87,7 @@ class Prediction:
         return self._number("volume", t, out)
 
     def expected_error(self, t: ArrayLike, out: Optional[Singles] = None) -> Singles:
-        """Expected distance to the solution that the model was made from, as a fraction of a. See `Model.errors_against`.
+        """Expected distance to the solution that the model was made from (`Model.errors_against`), as a fraction of a.
 
         Outside the sampled domain it is a guess.
         """
@@ -184,6 +184,7 @@ class Prediction:
             out = np.empty(shape, dtype=np.float32)
         elif out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous or not out.flags.writeable:
             raise ValueError(
-                f"out must be a writable C-contiguous float32 array of the shape {shape}, not {out.dtype} of {out.shape}"
+                f"out must be a writable C-contiguous float32 array of the shape {shape}, "
+                f"not {out.dtype} of {out.shape}"
             )
         return np.ascontiguousarray(times.ravel()), out

@@ -28,7 +28,7 @@ const BESIDE: f64 = 0.3;
 pub struct Series {
     /// "midplane" or "silhouette".
     pub observable: &'static str,
-    /// What was done.
+    /// The series of trials.
     pub name: &'static str,
     /// Number of trials.
     pub trials: usize,

@@ -48,7 +48,7 @@ impl Bench {
     }
 }
 
-/// What a trial is told beside the contour.
+/// Known quantities of a trial beside the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Told {
     pub(crate) priors: Priors,

@@ -123,7 +123,7 @@ fn seen(model: &Model<'_>, positions: &[[f64; 3]]) -> Result<Vec<[f64; 2]>, Stud
     Ok(out)
 }
 
-/// What a contour is drawn with.
+/// Errors with which a contour is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawing {
     /// Pixels per l.

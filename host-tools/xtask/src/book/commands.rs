@@ -41,7 +41,7 @@ pub fn faults(pages: &[Page]) -> Result<Vec<String>> {
     Ok(faults)
 }
 
-/// What a command prints of itself, if there is one.
+/// The help text of a command, if the command exists.
 fn help(words: &[String]) -> Result<Option<String>> {
     let (program, subcommands) = words.split_first().context("a command without words")?;
     let program = match program.as_str() {

@@ -2,9 +2,9 @@
 //!
 //! `0.33<!-- = FILE PLACE KEY... -->` checks the numbers before the comment in its line, one for each key: they are the
 //! stored ones, rounded. FILE is a path from the root of the repository. In a JSON file PLACE is a pointer such as
-//! `/methods/direct/0` and a key a pointer from there; in a CSV file PLACE selects rows, `[column=value][...]`, a key is
-//! a column, and the numbers are those of the first row, then of the second ... A key `-` stands for a number that is
-//! not checked. Signs are not compared.
+//! `/methods/direct/0` and a key a pointer from there; in a CSV file PLACE selects rows, `[column=value][...]`, a key
+//! is a column, and the numbers are those of the first row, then of the second ... A key `-` stands for a number that
+//! is not checked. Signs are not compared.
 //!
 //! `<!-- rows = FILE PLACE KEY... -->` above a table checks the last numbers of each of its rows in the same way, with
 //! the number of the row, from 0, for every `*`.
@@ -29,7 +29,7 @@ struct Difference {
     what: String,
 }
 
-/// What is wrong with the figures of the pages.
+/// Faults of the figures in the pages.
 pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
     let mut faults = Vec::new();
     each_line(pages, root, |page, number, found| match found {

@@ -9,7 +9,7 @@ const ROOMS: [&str; 6] = ["core/", "wasm/", "host-tools/", "tests/", "models/", 
 /// The greatest length of a line of prose; tables, comments, indented code and links may be longer.
 const COLUMNS: usize = 120;
 
-/// What is wrong with the pages of a repository.
+/// Faults of the pages of a repository.
 pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
     let mut faults = Vec::new();
     for page in pages {
@@ -51,7 +51,7 @@ fn unlisted(pages: &[Page]) -> Vec<String> {
         .collect()
 }
 
-/// What is wrong with a link.
+/// The fault of a link.
 fn broken(page: &Page, target: &str, pages: &[Page], root: &Path) -> Option<String> {
     if ["http://", "https://", "mailto:"]
         .iter()

@@ -33,7 +33,7 @@ impl Page {
         })
     }
 
-    /// What a reader is told of a fault in a line.
+    /// Message for a fault in a line.
     pub fn fault(&self, line: usize, what: &str) -> String {
         format!("{}:{line}: {what}", self.path.display())
     }
