@@ -143,7 +143,7 @@ pub struct Mesh<'a> {
     pub images: Blob<'a>,
     /// `u16 [N_x]`: the place of each full node in `images`, row times N_s plus sector node.
     pub origins: Blob<'a>,
-    /// Named lists of nodes, such as [`MIDPLANE`](super::MIDPLANE) and [`DIAGONAL`](super::DIAGONAL) where the mesh has
+    /// Named lists of nodes, such as [`MIDPLANE`] and [`DIAGONAL`] where the mesh has
     /// nodes in these planes.
     pub node_sets: Vec<NodeSet<'a>, MAX_NODE_SETS>,
 }
