@@ -125,7 +125,7 @@ fn a_damaged_header_is_refused() {
             supported: 10
         }
     );
-    assert!(newer.to_string().contains("newer"), "{newer}");
+    assert!(newer.to_string().contains("update the reader"), "{newer}");
     assert_eq!(
         open(&|file| file[4] = 0),
         OpenError::Version {

@@ -44,6 +44,8 @@ fn met(angle: f64, middle: f64, surface: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f
             let theta = std::f64::consts::PI * i as f64 / LATITUDES as f64;
             let [x, y, z] = surface([theta.cos(), theta.sin() * phi.cos(), theta.sin() * phi.sin()]);
             let (x, w) = (x - middle, angle.cos() * y + angle.sin() * z);
+            // Rounding must not choose the side of the axis.
+            let w = if w.abs() < 1e-12 { 0.0 } else { w };
             let place = [w.atan2(x), x.hypot(w)];
             if let Some(mut last) = before.replace(place) {
                 let mut place = place;

@@ -100,10 +100,9 @@ struct LengthOptions {
 const EXAMPLES: &str = "\
 Examples:
   capsule-rom identify outline.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 0.8 --observable midplane
-  capsule-rom identify outline.csv --pixel-um 0.25 --half-width-um 25 --flow-rate-ul-min 0.75 --viscosity-pa-s 0.8 \
---observable silhouette --json --plot fit.svg
-  capsule-rom identify --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3 --half-width-um 25 \
---velocity-mm-s 5 --viscosity-pa-s 0.8 --observable midplane
+  capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 --observable silhouette --json
+
+Contours in pixels need --pixel-um. Lengths take the place of the file: --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
 
 The capsule flows steadily along the axis of a square channel. Its membrane is neo-Hookean, the liquids inside and \
 outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface shear \
