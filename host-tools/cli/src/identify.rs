@@ -30,7 +30,7 @@ pub struct Options {
     #[arg(long)]
     viscosity_pa_s: f64,
     /// The kind of the contour, or of the outline that the lengths belong to
-    #[arg(long, value_enum)]
+    #[arg(short = 'o', long, value_enum)]
     observable: ObservableName,
     /// Unit of the contour's numbers [default: as its headings say]
     #[arg(long, value_enum)]
@@ -99,8 +99,8 @@ struct LengthOptions {
 
 const EXAMPLES: &str = "\
 Examples:
-  capsule-rom identify outline.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 0.8 --observable midplane
-  capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 --observable silhouette --json
+  capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o midplane
+  capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o silhouette
 
 Contours in pixels need --pixel-um. Lengths take the place of the file: --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
 
