@@ -20,7 +20,7 @@ int main() {
 
   // A failure is thrown, with its figures.
   try {
-    evaluator.prepare({0.90f, 0.90f});
+    evaluator.prepare({0.15f, 1.10f});
   } catch (const capsule::Error &error) {
     std::printf("%s: found %g, greatest %g\n", error.what(), error.failure().found, error.failure().greatest);
   }

@@ -236,7 +236,7 @@ fn cpp_answers_as_c_does() {
     assert!(said("quick_start", "beside-cpp").contains(shape), "{text}");
     // A refused query arrives as an exception with its figures.
     assert!(
-        text.contains("no steady state exists") && text.contains("found 0.9"),
+        text.contains("no steady state exists") && text.contains("found 0.15"),
         "{text}"
     );
 }
