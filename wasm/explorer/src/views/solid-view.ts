@@ -67,6 +67,8 @@ export class SolidView implements ViewPart {
 
   #say(words: string, isAgain: boolean): void {
     this.#stage.querySelector(".missing")?.remove();
+    // Nothing is drawn until the view renders again.
+    delete this.#stage.dataset.rendered;
     const message = html("div", { className: "missing" }, html("p", { textContent: words }));
     if (isAgain) message.append(button("Start the 3D view again", () => this.#restart()));
     this.#stage.append(message);
