@@ -347,7 +347,8 @@ typedef struct capsule_membrane {
 extern "C" {
 #endif // __cplusplus
 
-// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled with.
+// Version of this library, such as "0.1.0": a program compares it with the `CAPSULE_VERSION` that it was compiled
+// with.
 const char *capsule_v1_version(void);
 
 // The meaning of a status, as a sentence that ends with a zero.
