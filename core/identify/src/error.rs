@@ -46,7 +46,8 @@ impl core::fmt::Display for IdentifyError {
             Self::Number { what, value } => write!(f, "{what} is {value}: it must be a positive finite number"),
             Self::TooFewLengths { found } => write!(
                 f,
-                "{found} of the lengths, the velocity and the radius are given: without a contour at least two are needed"
+                "{found} of the lengths, the velocity and the radius are given: without a contour at least two are \
+                 needed"
             ),
             Self::Model(error) => error.fmt(f),
             Self::NoFit => f.write_str("no capsule of the model comes near the measurement"),

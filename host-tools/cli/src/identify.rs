@@ -1,18 +1,18 @@
 //! `capsule-rom identify`: membrane properties from an outline, or from a few lengths.
 
+use crate::identify_answer::Answer;
 use crate::identify_contour::{self, Unit};
-use crate::model::{self, ModelFile};
+use crate::identify_plot::figure;
+use crate::model::ModelFile;
 use crate::outputs::Outputs;
 use crate::print;
 use anyhow::{Context, Result, bail, ensure};
 use capsule_core::Model;
 use capsule_identify::{
-    Contour, Direction, Estimate, Flow, Grid, Identification, Interval, Lengths, MAX_HALF, Measured, Measurement,
-    Memory, Observable, Point, Priors, Setup, Shapes, Store, identify,
+    Contour, Direction, Flow, Grid, Lengths, MAX_HALF, Measured, Measurement, Memory, Observable, Point, Priors, Setup,
+    Shapes, Store, VELOCITY, identify,
 };
-use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 use clap::{Args, ValueEnum};
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -102,7 +102,8 @@ Examples:
   capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o midplane
   capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o silhouette
 
-Contours in pixels need --pixel-um. Lengths take the place of the file: --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
+Contours in pixels need --pixel-um. Lengths take the place of the file: --axial-length-um 49.2,0.2 \
+--width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
 
 The capsule flows steadily along the axis of a square channel. Its membrane is neo-Hookean, the liquids inside and \
 outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface shear \
@@ -196,16 +197,19 @@ pub fn run(options: &Options) -> Result<()> {
     let (mut shapes, room) = bench.shapes(&model, options.observable());
     let grid = Grid::new(&mut shapes)?;
     let found = identify(&mut shapes, &grid, &measurement, room)?;
-    let answer = Answer::new(
-        &model,
-        options,
-        &found,
-        pixel_um,
-        contour.as_ref().map(|contour| &*contour.format),
-    );
+    let shape = shapes.at([found.capillary_number.value.ln(), found.confinement.value])?;
+    let blur_um = options
+        .exposure_ms
+        .map(|ms| shape.scalars[VELOCITY] * found.mean_velocity_m_s * 1e3 * ms);
+    if let Some(blur) = blur_um.filter(|blur| *blur > pixel_um) {
+        eprintln!(
+            "warning: the capsule moves by {blur:.2} um in the exposure, more than a pixel ({pixel_um:.2} um): the \
+             outline is blurred along the flow"
+        );
+    }
+    let format = contour.as_ref().map(|contour| &*contour.format);
+    let answer = Answer::new(&model, &found, blur_um, format);
     if let Some(file) = &options.plot {
-        let theta = [found.capillary_number.value.ln(), found.confinement.value];
-        let shape = shapes.at(theta)?;
         let curve: Vec<[f64; 2]> = (0..=8 * MAX_HALF)
             .map(|i| shape.curve.position(i as f64 / (8 * MAX_HALF) as f64))
             .collect();
@@ -335,212 +339,4 @@ impl Bench {
             &mut self.points,
         )
     }
-}
-
-/// Ends of an interval; none where it is open.
-type Ends = [Option<f64>; 2];
-
-fn ends(interval: Interval) -> Ends {
-    let [low, high] = interval.open;
-    [(!low).then_some(interval.low), (!high).then_some(interval.high)]
-}
-
-#[derive(Serialize)]
-struct Answer {
-    verdict: &'static str,
-    verdict_text: &'static str,
-    ca: f64,
-    ca_68: Ends,
-    ca_95: Ends,
-    confinement: f64,
-    confinement_68: Ends,
-    confinement_95: Ends,
-    radius_um: f64,
-    radius_um_68: Ends,
-    radius_um_95: Ends,
-    gs_n_per_m: f64,
-    gs_n_per_m_68: Ends,
-    gs_n_per_m_95: Ends,
-    mean_velocity_mm_s: f64,
-    correlation: f64,
-    chi_squared: f64,
-    degrees_of_freedom: f64,
-    residual_um: f64,
-    noise_um: f64,
-    correlated_points: f64,
-    structure: f64,
-    edge_um: f64,
-    scale_error: f64,
-    tilt_degrees: f64,
-    flow: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    blur_um: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    alternative: Option<Other>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    contour: Option<String>,
-    model_digest: String,
-    errors_against: String,
-}
-
-#[derive(Serialize)]
-struct Other {
-    ca: f64,
-    confinement: f64,
-    rise_of_chi_squared: f64,
-}
-
-impl Answer {
-    fn new(model: &Model<'_>, options: &Options, found: &Identification, pixel_um: f64, contour: Option<&str>) -> Self {
-        let three = |estimate: Estimate| (estimate.value, ends(estimate.interval_68), ends(estimate.interval_95));
-        let (ca, ca_68, ca_95) = three(found.capillary_number);
-        let (confinement, confinement_68, confinement_95) = three(found.confinement);
-        let (radius_um, radius_um_68, radius_um_95) = three(found.radius_um);
-        let (gs_n_per_m, gs_n_per_m_68, gs_n_per_m_95) = three(found.shear_modulus_n_per_m);
-        // A capsule moves at 1 to 2 times the mean velocity; how fast exactly does not matter here.
-        let blur_um = options.exposure_ms.map(|ms| 1.4 * found.mean_velocity_m_s * 1e3 * ms);
-        if let Some(blur) = blur_um.filter(|blur| *blur > pixel_um) {
-            eprintln!(
-                "warning: the capsule moves by about {blur:.2} um in the exposure, more than a pixel ({pixel_um:.2} um): the \
-                 outline is blurred along the flow"
-            );
-        }
-        Self {
-            verdict: found.verdict.name(),
-            verdict_text: found.verdict.text(),
-            ca,
-            ca_68,
-            ca_95,
-            confinement,
-            confinement_68,
-            confinement_95,
-            radius_um,
-            radius_um_68,
-            radius_um_95,
-            gs_n_per_m,
-            gs_n_per_m_68,
-            gs_n_per_m_95,
-            mean_velocity_mm_s: 1e3 * found.mean_velocity_m_s,
-            correlation: found.correlation,
-            chi_squared: found.chi_squared,
-            degrees_of_freedom: found.degrees_of_freedom,
-            residual_um: found.residual_um,
-            noise_um: found.noise_um,
-            correlated_points: found.correlated_points,
-            structure: found.structure,
-            edge_um: found.edge_um,
-            scale_error: found.scale_error,
-            tilt_degrees: found.tilt.to_degrees(),
-            flow: found.direction.name(),
-            blur_um,
-            alternative: found.alternative.map(|other| Other {
-                ca: other.capillary_number,
-                confinement: other.confinement,
-                rise_of_chi_squared: other.rise,
-            }),
-            contour: contour.map(str::to_owned),
-            model_digest: model::digest(model),
-            errors_against: model.errors_against().to_string(),
-        }
-    }
-
-    fn print(&self) -> Result<()> {
-        if let Some(contour) = &self.contour {
-            println!("contour: {contour}; flow: {}", self.flow);
-        }
-        println!("{}: {}", self.verdict, self.verdict_text);
-        let row = |name: &str, value: f64, narrow: Ends, wide: Ends, digits: usize| {
-            let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| format!("{end:.digits$}"));
-            let interval = |[low, high]: Ends| format!("{} to {}", end(low), end(high));
-            vec![
-                name.to_owned(),
-                format!("{value:.digits$}"),
-                interval(narrow),
-                interval(wide),
-            ]
-        };
-        let milli = |ends: Ends| ends.map(|end| end.map(|end| 1e3 * end));
-        print::table(
-            &["", "value", "68 %", "95 %"],
-            &[
-                row("Ca", self.ca, self.ca_68, self.ca_95, 5),
-                row("a/l", self.confinement, self.confinement_68, self.confinement_95, 4),
-                row("a / um", self.radius_um, self.radius_um_68, self.radius_um_95, 3),
-                row(
-                    "G_s / (mN/m)",
-                    1e3 * self.gs_n_per_m,
-                    milli(self.gs_n_per_m_68),
-                    milli(self.gs_n_per_m_95),
-                    3,
-                ),
-            ],
-        )?;
-        if self.contour.is_some() {
-            println!(
-                "residuals {:.3} um; edge {:+.3} um, scale {:+.2} %, tilt {:+.2} degrees; chi-squared {:.0} for {:.0}",
-                self.residual_um,
-                self.edge_um,
-                100.0 * self.scale_error,
-                self.tilt_degrees,
-                self.chi_squared,
-                self.degrees_of_freedom
-            );
-        }
-        if let Some(other) = &self.alternative {
-            println!(
-                "another solution: Ca {:.5}, a/l {:.4}, chi-squared greater by {:.2}",
-                other.ca, other.confinement, other.rise_of_chi_squared
-            );
-        }
-        println!("against {}, model {}", self.errors_against, self.model_digest);
-        Ok(())
-    }
-}
-
-/// The contour and the fitted outline, and beside them the residuals along the contour.
-fn figure(found: &Identification, points: &[[f64; 2]], curve: &[[f64; 2]], half_width_um: f64) -> Figure {
-    let mirrored = curve.iter().rev().map(|[x, y]| [*x, -y]);
-    let closed: Vec<[f64; 2]> = curve
-        .iter()
-        .copied()
-        .chain(mirrored)
-        .map(|p| found.frame.place_um(p))
-        .collect();
-    let pair = |[x, y]: [f64; 2]| (x, y);
-    let residual = |[x, y]: [f64; 2]| {
-        let nearest = closed.windows(2).map(|ends| {
-            let ([p, q], [r, s]) = (ends[0], ends[1]);
-            let (u, v) = (r - p, s - q);
-            let share = (((x - p) * u + (y - q) * v) / (u * u + v * v).max(1e-300)).clamp(0.0, 1.0);
-            let distance = (x - p - share * u).hypot(y - q - share * v);
-            (distance, (x - p) * v - (y - q) * u)
-        });
-        let (distance, side) = nearest.fold(
-            (f64::INFINITY, 0.0),
-            |best, next| if next.0 < best.0 { next } else { best },
-        );
-        distance * if side < 0.0 { -1.0 } else { 1.0 }
-    };
-    let title = format!(
-        "Ca = {:.4}, a = {:.3} um, {}",
-        found.capillary_number.value,
-        found.confinement.value * half_width_um,
-        found.verdict.name()
-    );
-    let outline = Lines::new(&title, Axis::linear("x / um"), Axis::linear("y / um"))
-        .same_scale()
-        .with(Curve::points("contour", points.iter().copied().map(pair).collect()))
-        .with(Curve::line("model", closed.iter().copied().map(pair).collect()));
-    let along = points
-        .iter()
-        .enumerate()
-        .map(|(i, point)| (i as f64, residual(*point)))
-        .collect();
-    let residuals = Lines::new(
-        "Distance from the model",
-        Axis::linear("point"),
-        Axis::linear("residual / um"),
-    )
-    .with(Curve::points("", along));
-    Figure::new(vec![Panel::Lines(outline), Panel::Lines(residuals)])
 }
