@@ -2,6 +2,7 @@
 //! targets (`rustup target add thumbv7em-none-eabihf thumbv8m.main-none-eabihf`) and the emulator (`apt-get install
 //! qemu-system-arm`): `cargo test -p capsule-core --test firmware`.
 
+#[path = "suite/common/mod.rs"]
 mod common;
 #[path = "../../tests/firmware/src/questions.rs"]
 mod questions;

@@ -3,7 +3,7 @@
 //! the archives are in the environment variables CAPSULE_HOST_PACKAGE, CAPSULE_CORTEX_M_PACKAGE and
 //! CAPSULE_CORTEX_M33_PACKAGE: `cargo xtask test --only c`.
 
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/suite/common/mod.rs"]
 mod common;
 
 use capsule_core::{Evaluator, Method, Model, Query, Workspace};

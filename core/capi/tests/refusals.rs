@@ -1,7 +1,7 @@
 //! Wrong arguments from C are refused, with a status and an error that say what it was, and nothing else is
 //! written.
 
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/suite/common/mod.rs"]
 mod common;
 
 use capsule_capi::*;

@@ -14,9 +14,10 @@ const QUICK: [&str; 1] = ["--package capsule-capi --test refusals -- \
      nothing_but_the_error_is_written_where_a_call_fails objects_that_were_not_set_up"];
 
 /// All tests that make sense in Miri; they take tens of minutes.
-const ALL: [&str; 2] = [
+const ALL: [&str; 3] = [
     "--package capsule-capi --lib --test refusals",
-    "--package capsule-core --lib --test flips",
+    "--package capsule-core --lib",
+    "--package capsule-core --test suite -- flips",
 ];
 
 #[derive(clap::Args)]

@@ -9,9 +9,9 @@ pub use calls::calls;
 pub use model::model;
 pub use query::query;
 
-#[path = "../../../core/tests/common/mod.rs"]
+#[path = "../../../core/tests/suite/common/mod.rs"]
 mod common;
-#[path = "../../../core/tests/common/header.rs"]
+#[path = "../../../core/tests/suite/header.rs"]
 mod header;
 
 use arbitrary::{Arbitrary, Unstructured};

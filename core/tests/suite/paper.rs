@@ -1,9 +1,7 @@
 //! Algorithm 2 against the exact answers and against direct evaluation.
 
-mod common;
-
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Scheme, Workspace};
-use common::{Family, distance};
+use crate::common::{Family, distance};
 
 const LABORATORY: Scene<'_> = Scene {
     nodes: Nodes::All,

@@ -1,13 +1,11 @@
 //! Queries: domain, errors, what is computed again and what is not.
 
-mod common;
-
 use capsule_core::model::wire::Matrix;
 use capsule_core::{
     DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Scene,
     Workspace, playback_len, scratch_len,
 };
-use common::Family;
+use crate::common::{self, Family};
 use proptest::prelude::*;
 
 const METHODS: [Method; 2] = [Method::Direct, Method::Paper];

@@ -1,10 +1,8 @@
 //! The mechanics of the membrane against exact deformations of the sphere.
 
-mod common;
-
 use capsule_core::mechanics::{Deformation, Membrane, Stencil};
 use capsule_core::{EvaluateError, Evaluator, Method, Model, Query, Real, Workspace};
-use common::{Family, Sphere};
+use crate::common::{Family, Sphere};
 use std::cell::{Cell, RefCell};
 
 type Point = [f64; 3];

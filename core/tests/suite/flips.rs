@@ -1,12 +1,8 @@
 //! Every bit of a small model, flipped under a checksum that agrees: refused, or answers that are finite or errors.
 
-mod common;
-#[path = "common/header.rs"]
-mod header;
-
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
-use common::Family;
-use header::with_header;
+use crate::common::Family;
+use crate::header::with_header;
 
 const HEADER: usize = 16;
 

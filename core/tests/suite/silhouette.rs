@@ -1,9 +1,7 @@
 //! The silhouette against surfaces whose projection is known, and against the meridians of a dented one.
 
-mod common;
-
 use capsule_core::{EvaluateError, Model, silhouette};
-use common::Family;
+use crate::common::Family;
 
 const COUNT: usize = 65;
 

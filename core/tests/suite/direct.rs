@@ -1,9 +1,7 @@
 //! Direct evaluation against a family with exact answers.
 
-mod common;
-
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace};
-use common::{Family, distance};
+use crate::common::{Family, distance};
 
 const ALL: Scene<'_> = Scene {
     nodes: Nodes::All,

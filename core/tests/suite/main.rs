@@ -1,0 +1,15 @@
+//! Behaviour of the core, on small models with exact answers. One program: each further one would compile the
+//! evaluator again.
+
+mod common;
+mod direct;
+mod flips;
+mod format;
+mod header;
+mod laziness;
+mod limits;
+mod mechanics;
+mod paper;
+mod queries;
+mod scenes;
+mod silhouette;
