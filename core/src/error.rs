@@ -169,7 +169,8 @@ impl EvaluateError {
             }
             Self::FarFromSamples { ratio } => write!(
                 f,
-                "no sample is near: the interpolation is {ratio:.1} times as uncertain as at any sample that was left out"
+                "no sample is near: the interpolation is {ratio:.1} times as uncertain as at any sample that was left \
+                 out"
             ),
             Self::BeyondExtrapolation { distance, limit } => write!(
                 f,

@@ -27,7 +27,8 @@ const CORTEX_M7: Board = (
         ("CAPSULE_BOARD", "AN500"),
         (
             "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER",
-            "qemu-system-arm -M mps2-an500 -cpu cortex-m7 -nographic -semihosting-config enable=on,target=native -kernel",
+            "qemu-system-arm -M mps2-an500 -cpu cortex-m7 -nographic -semihosting-config enable=on,target=native \
+             -kernel",
         ),
     ],
 );

@@ -74,7 +74,8 @@ def run_time():
     py = lambda s: 340 - (math.log10(s) - y0) / (y1 - y0) * 310
     body = []
     for e in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2]:
-        body.append(f'<path class="g" d="M{px(e):.0f} 30V340"/><text class="s" x="{px(e) - 10:.0f}" y="356">{e:g}</text>')
+        body.append(f'<path class="g" d="M{px(e):.0f} 30V340"/>'
+                    f'<text class="s" x="{px(e) - 10:.0f}" y="356">{e:g}</text>')
     for k in range(y0, y1 + 1):
         label = {-4: "100 us", -3: "1 ms", -2: "10 ms", -1: "100 ms", 0: "1 s", 1: "10 s"}[k]
         y = py(10.0**k)

@@ -8,14 +8,15 @@ import { explorer } from "./support.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const EVERYTHING =
-  "#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9;B:paper:0.05,0.8&layer=error_bound&views=midplane.diagonal.transversal.plots";
+  "#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9;B:paper:0.05,0.8&layer=error_bound" +
+  "&views=midplane.diagonal.transversal.plots";
 const SITUATIONS = {
   "desktop, light": ["", { viewport: { width: 1440, height: 900 }, colorScheme: "light" }],
   "desktop, dark": ["", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
   "phone, light": ["", { viewport: { width: 390, height: 844 }, colorScheme: "light" }],
   "refused parameters": ["#ca=0.9&al=0.9", { viewport: { width: 1440, height: 900 } }],
   "refused parameters, dark": ["#ca=0.9&al=0.9", { viewport: { width: 1440, height: 900 }, colorScheme: "dark" }],
-  "extrapolated": ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "light" }],
+  extrapolated: ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "light" }],
   "extrapolated, dark": ["#ca=0.13&al=0.95&t=3&extrapolate=1", { colorScheme: "dark" }],
   "refused shape": ["#ca=0.15&al=1.1&t=20&extrapolate=1", { colorScheme: "light" }],
   "compared, plotted and mapped": [`${EVERYTHING}&dims=100,1,10`, { colorScheme: "light" }],
@@ -44,7 +45,10 @@ for (const dialog of ["take-away", "units", "help"]) {
     await page.click(`#open-${dialog}`);
     await page.evaluate(AXE);
     const { violations } = await page.evaluate(() => window.axe.run(document));
-    assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`), []);
+    assert.deepEqual(
+      violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`),
+      [],
+    );
     await close();
   });
 }
@@ -71,7 +75,19 @@ test("every control is reached by the Tab key and shows that it has the focus", 
     assert.ok(found.visible, `${found.id} shows its focus`);
     reached.add(found.id);
   }
-  for (const id of ["copy-link", "map-point", "ca", "confinement", "method", "frame", "play", "time", "speed", "section"]) {
+  const controls = [
+    "copy-link",
+    "map-point",
+    "ca",
+    "confinement",
+    "method",
+    "frame",
+    "play",
+    "time",
+    "speed",
+    "section",
+  ];
+  for (const id of controls) {
     assert.ok(reached.has(id), `${id} is reached; reached: ${[...reached].join(", ")}`);
   }
   await close();

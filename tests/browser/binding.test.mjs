@@ -70,10 +70,15 @@ test("many answers in one call are those of one after another", () => {
   const { instants } = predict(0.1, 0.9, times, "direct");
   for (const quantity of ["axial_length", "volume", "expected_error", "error_bound"]) {
     const course = [...evaluation.course(quantity, Float32Array.from(times))];
-    assert.deepEqual(course, instants.map((instant) => Math.fround(instant[quantity])), quantity);
+    assert.deepEqual(
+      course,
+      instants.map((instant) => Math.fround(instant[quantity])),
+      quantity,
+    );
   }
   evaluation.goTo(3);
-  assert.deepEqual([...evaluation.readouts()].slice(0, 8), QUANTITIES.map((quantity) => Math.fround(instants[1][quantity])));
+  const expected = QUANTITIES.map((quantity) => Math.fround(instants[1][quantity]));
+  assert.deepEqual([...evaluation.readouts()].slice(0, 8), expected);
   const grid = evaluation.grid("velocity", Float64Array.of(0.1, 0.9, 0.9, 0.9, 0.05, 0.8), 2, 3, "direct");
   const other = predict(0.05, 0.8, [3], "direct").instants[0];
   assert.deepEqual([...grid], [Math.fround(instants[1].velocity), Number.NaN, Math.fround(other.velocity)]);
@@ -82,7 +87,10 @@ test("many answers in one call are those of one after another", () => {
 
 test("the distance of two shapes is none to itself and the same both ways", () => {
   const [one, other] = [model.evaluation(), model.evaluation()];
-  for (const [evaluation, ca] of [[one, 0.1], [other, 0.1]]) {
+  for (const [evaluation, ca] of [
+    [one, 0.1],
+    [other, 0.1],
+  ]) {
     evaluation.prepare([ca, 0.9], "direct", false);
     evaluation.goTo(3);
   }

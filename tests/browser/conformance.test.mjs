@@ -1,5 +1,5 @@
-// The conformance vectors in Node and in Chromium: the same bits as natively, in both precisions. The module is built by
-// `cargo xtask test --only browser`, which passes its path in the environment variable CAPSULE_CONFORMANCE.
+// The conformance vectors in Node and in Chromium: the same bits as natively, in both precisions. The module is built
+// by `cargo xtask test --only browser`, which passes its path in the environment variable CAPSULE_CONFORMANCE.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";

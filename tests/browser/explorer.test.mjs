@@ -2,10 +2,10 @@
 // the console stays silent.
 
 import assert from "node:assert/strict";
-import { describe, test } from "node:test";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { describe, test } from "node:test";
 import {
   capsuleRom,
   explorer,
@@ -50,14 +50,18 @@ describe("figures", () => {
     });
   }
 
-  onPage("change with the parameters, and volume stays that of the sphere", `#ca=0.05&al=0.8&t=1${FLAT}`, async (page) => {
-    for (const confinement of [0.8, 0.9, 1]) {
-      await fill(page, "confinement", confinement);
-      const { volume } = await figures(page);
-      const sphere = (4 / 3) * Math.PI * confinement ** 3;
-      assert.ok(Math.abs(volume / sphere - 1) < 0.02, `volume ${volume}, sphere ${sphere}`);
-    }
-  });
+  onPage(
+    "change with the parameters, and volume stays that of the sphere",
+    `#ca=0.05&al=0.8&t=1${FLAT}`,
+    async (page) => {
+      for (const confinement of [0.8, 0.9, 1]) {
+        await fill(page, "confinement", confinement);
+        const { volume } = await figures(page);
+        const sphere = (4 / 3) * Math.PI * confinement ** 3;
+        assert.ok(Math.abs(volume / sphere - 1) < 0.02, `volume ${volume}, sphere ${sphere}`);
+      }
+    },
+  );
 
   onPage("do not depend on the views that are open", "#ca=0.05&al=0.9&t=2", async (page) => {
     const all = await figures(page);
@@ -194,13 +198,17 @@ describe("the link", () => {
     await again.close();
   });
 
-  onPage("that makes no sense in part is taken for the rest", `#ca=abc&al=0.8&t=-3&method=magic&speed=17${FLAT}`, async (page) => {
-    const found = await state(page);
-    assert.equal(found.confinement, 0.8);
-    assert.equal(found.ca, 0.1);
-    assert.equal(found.t, 0);
-    assert.equal(found.speed, 1);
-  });
+  onPage(
+    "that makes no sense in part is taken for the rest",
+    `#ca=abc&al=0.8&t=-3&method=magic&speed=17${FLAT}`,
+    async (page) => {
+      const found = await state(page);
+      assert.equal(found.confinement, 0.8);
+      assert.equal(found.ca, 0.1);
+      assert.equal(found.t, 0);
+      assert.equal(found.speed, 1);
+    },
+  );
 });
 
 async function readState(page) {

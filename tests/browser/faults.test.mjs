@@ -56,15 +56,19 @@ describe("a link", () => {
     await close();
   });
 
-  onPage("that is pasted into an open page keeps nothing of the one before", `#ca=0.05&al=0.8&t=1&frame=centroid&method=paper${FLAT}`, async (page) => {
-    assert.equal((await state(page)).frame, "centroid");
-    await page.evaluate((views) => {
-      window.location.hash = `#ca=0.06${views}`;
-    }, FLAT);
-    await page.waitForFunction(() => window.capsuleExplorer.state.ca === 0.06);
-    const { frame, method, t, confinement } = await state(page);
-    assert.deepEqual([frame, method, t, confinement], ["laboratory", "direct", 2, 0.9]);
-  });
+  onPage(
+    "that is pasted into an open page keeps nothing of the one before",
+    `#ca=0.05&al=0.8&t=1&frame=centroid&method=paper${FLAT}`,
+    async (page) => {
+      assert.equal((await state(page)).frame, "centroid");
+      await page.evaluate((views) => {
+        window.location.hash = `#ca=0.06${views}`;
+      }, FLAT);
+      await page.waitForFunction(() => window.capsuleExplorer.state.ca === 0.06);
+      const { frame, method, t, confinement } = await state(page);
+      assert.deepEqual([frame, method, t, confinement], ["laboratory", "direct", 2, 0.9]);
+    },
+  );
 
   onPage("with parameters of another kind of model leaves later links whole", `#p=0.1,0.2${FLAT}`, async (page) => {
     assert.deepEqual((await state(page)).parameters, []);
@@ -162,7 +166,11 @@ describe("numbers", () => {
         }
       }),
     );
-    assert.deepEqual(refusals.slice(0, 3), ["NaN is no value of t", "0.1 is no value of ca", "magic is no value of method"]);
+    assert.deepEqual(refusals.slice(0, 3), [
+      "NaN is no value of t",
+      "0.1 is no value of ca",
+      "magic is no value of method",
+    ]);
     assert.match(refusals[3], /no field colour/);
     assert.equal((await state(page)).t, 1);
   });
@@ -191,7 +199,10 @@ describe("the figures", () => {
     for (const selector of ["#solid", "#map", "#transversal"]) {
       const box = await boxOf(page, selector);
       const apart =
-        notice.y + notice.height <= box.y || box.y + box.height <= notice.y || notice.x + notice.width <= box.x || box.x + box.width <= notice.x;
+        notice.y + notice.height <= box.y ||
+        box.y + box.height <= notice.y ||
+        notice.x + notice.width <= box.x ||
+        box.x + box.width <= notice.x;
       assert.ok(apart, `${selector} is in sight`);
     }
   });
@@ -267,29 +278,43 @@ describe("the figures", () => {
   onPage("need one font", "#ca=0.1&al=0.9", async (page) => {
     await page.evaluate(() => document.fonts.ready);
     const fonts = await page.evaluate(() =>
-      performance.getEntriesByType("resource").filter(({ name }) => name.endsWith(".woff2")).map(({ name }) => name),
+      performance
+        .getEntriesByType("resource")
+        .filter(({ name }) => name.endsWith(".woff2"))
+        .map(({ name }) => name),
     );
     assert.equal(fonts.length, 1, fonts.join(", "));
   });
 });
 
 describe("a small screen", () => {
-  for (const [width, height] of [[1366, 650], [1024, 768], [720, 450]]) {
+  for (const [width, height] of [
+    [1366, 650],
+    [1024, 768],
+    [720, 450],
+  ]) {
     onPage(
       `of ${width} x ${height} holds the page, and nothing covers what has the focus`,
       `#ca=0.1&al=0.9&t=1&layer=error_bound${FLAT}`,
       async (page) => {
         const [content, room] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
         assert.ok(content <= room, `${content} px of content in ${room} px`);
-        const [inputs, choices, readouts] = await Promise.all(["#inputs", ".choices", "#readouts"].map((part) => boxOf(page, part)));
-        for (const [one, other] of [[inputs, choices], [inputs, readouts], [choices, readouts]]) {
+        const [inputs, choices, readouts] = await Promise.all(
+          ["#inputs", ".choices", "#readouts"].map((part) => boxOf(page, part)),
+        );
+        for (const [one, other] of [
+          [inputs, choices],
+          [inputs, readouts],
+          [choices, readouts],
+        ]) {
           assert.ok(one.y + one.height <= other.y + 1 || one.x + one.width <= other.x + 1, "parts lie apart");
         }
         for (let i = 0; i < 40; i++) {
           await page.keyboard.press("Tab");
           const covered = await page.evaluate(() => {
             const { activeElement } = document;
-            if (activeElement === null || activeElement === document.body || activeElement.closest(".transport")) return "";
+            if (activeElement === null || activeElement === document.body || activeElement.closest(".transport"))
+              return "";
             const { left, top, width, height } = activeElement.getBoundingClientRect();
             const found = document.elementFromPoint(left + width / 2, top + height / 2);
             return found?.closest(".transport, .notice") ? activeElement.outerHTML : "";
@@ -352,7 +377,9 @@ describe("a phone", () => {
       const [content, width] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
       assert.ok(content <= width, `${content} px of content in ${width} px`);
       const isOver = await page.$$eval(".readout, .readout *", (parts) =>
-        parts.filter((part) => part.scrollWidth > part.clientWidth + 1 && part.clientWidth > 0).map((part) => part.outerHTML),
+        parts
+          .filter((part) => part.scrollWidth > part.clientWidth + 1 && part.clientWidth > 0)
+          .map((part) => part.outerHTML),
       );
       assert.deepEqual(isOver, []);
     },
@@ -366,15 +393,23 @@ describe("two explorers in one document", () => {
       const place = document.createElement("div");
       document.body.append(place);
       const views = new Set(["midplane"]);
-      window.second = window.capsuleExplorer.mount(place, { prefix: "second-", state: { ca: 0.05, confinement: 0.8, t: 6, views } });
+      window.second = window.capsuleExplorer.mount(place, {
+        prefix: "second-",
+        state: { ca: 0.05, confinement: 0.8, t: 6, views },
+      });
     });
     await page.waitForFunction(() => document.querySelectorAll('.explorer[data-status="ready"]').length === 2);
     await settled(page);
     const ids = await page.$$eval("[id]", (parts) => parts.map(({ id }) => id));
     assert.equal(new Set(ids).size, ids.length);
-    const found = await page.evaluate(() => [window.capsuleExplorer, window.second].map((one) => one.read().axial_length));
+    const found = await page.evaluate(() =>
+      [window.capsuleExplorer, window.second].map((one) => one.read().axial_length),
+    );
     const expected = [predict(0.1, 0.9, [3], "direct"), predict(0.05, 0.8, [6], "direct")];
-    assert.deepEqual(found.map(Math.fround), expected.map(({ instants: [instant] }) => Math.fround(instant.axial_length)));
+    assert.deepEqual(
+      found.map(Math.fround),
+      expected.map(({ instants: [instant] }) => Math.fround(instant.axial_length)),
+    );
     await page.fill("#second-ca", "0.06");
     await settled(page);
     assert.equal((await state(page)).ca, 0.1);

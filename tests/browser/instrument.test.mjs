@@ -22,40 +22,52 @@ async function save(page, name) {
 }
 
 describe("a comparison", () => {
-  onPage("shows pinned queries beside the live one, with their differences", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
-    await page.click("#pin");
-    await page.fill("#ca", "0.05");
-    await page.waitForFunction(() => /times the error/.test(document.querySelector("#compare").textContent));
-    const rows = await page.$$eval("#compare tbody tr", (all) => all.map((row) => row.innerText.split("\t")));
-    const [live, pinned] = [native(0.05, 0.9, 3), native(0.1, 0.9, 3)];
-    const [name, own, other] = rows[0];
-    assert.match(name, /Axial length/);
-    assert.equal(own, live.axial_length.toFixed(4));
-    assert.ok(other.startsWith(pinned.axial_length.toFixed(4)));
-    const difference = Number(other.split(/\s/)[1].replace("−", "-"));
-    assert.ok(Math.abs(difference - (live.axial_length - pinned.axial_length)) < 6e-5);
-    assert.equal(await page.locator("#midplane .pin-A").count(), 1);
-    assert.equal(await page.locator("#map .pin-A").count(), 1);
-    await page.waitForFunction(() => window.location.hash.includes("pins=A"));
-    const again = await open(page.url().slice(url().length));
-    assert.deepEqual((await state(again.page)).pins, (await state(page)).pins);
-    await again.close();
-    await page.getByRole("button", { name: "Remove A" }).click();
-    await settled(page);
-    assert.equal(await page.isVisible("#compare"), false);
-  });
+  onPage(
+    "shows pinned queries beside the live one, with their differences",
+    `#ca=0.1&al=0.9&t=3${FLAT}`,
+    async (page) => {
+      await page.click("#pin");
+      await page.fill("#ca", "0.05");
+      await page.waitForFunction(() => /times the error/.test(document.querySelector("#compare").textContent));
+      const rows = await page.$$eval("#compare tbody tr", (all) => all.map((row) => row.innerText.split("\t")));
+      const [live, pinned] = [native(0.05, 0.9, 3), native(0.1, 0.9, 3)];
+      const [name, own, other] = rows[0];
+      assert.match(name, /Axial length/);
+      assert.equal(own, live.axial_length.toFixed(4));
+      assert.ok(other.startsWith(pinned.axial_length.toFixed(4)));
+      const difference = Number(other.split(/\s/)[1].replace("−", "-"));
+      assert.ok(Math.abs(difference - (live.axial_length - pinned.axial_length)) < 6e-5);
+      assert.equal(await page.locator("#midplane .pin-A").count(), 1);
+      assert.equal(await page.locator("#map .pin-A").count(), 1);
+      await page.waitForFunction(() => window.location.hash.includes("pins=A"));
+      const again = await open(page.url().slice(url().length));
+      assert.deepEqual((await state(again.page)).pins, (await state(page)).pins);
+      await again.close();
+      await page.getByRole("button", { name: "Remove A" }).click();
+      await settled(page);
+      assert.equal(await page.isVisible("#compare"), false);
+    },
+  );
 
-  onPage("says where two shapes are the same or not resolved", `#ca=0.1&al=0.9&t=3&pins=A:direct:0.1,0.9;B:direct:0.10001,0.9${FLAT}`, async (page) => {
-    await page.waitForFunction(() => /not resolved/.test(document.querySelector("#compare").textContent));
-    assert.match(await page.innerText("#compare"), /the same shape/);
-  });
+  onPage(
+    "says where two shapes are the same or not resolved",
+    `#ca=0.1&al=0.9&t=3&pins=A:direct:0.1,0.9;B:direct:0.10001,0.9${FLAT}`,
+    async (page) => {
+      await page.waitForFunction(() => /not resolved/.test(document.querySelector("#compare").textContent));
+      assert.match(await page.innerText("#compare"), /the same shape/);
+    },
+  );
 
-  onPage("measures the modified Hausdorff distance of the nodes", `#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9${FLAT}`, async (page) => {
-    await page.waitForFunction(() => /times the error/.test(document.querySelector("#compare").textContent));
-    const shown = Number(/([\d.]+) % a/.exec(await page.innerText("#compare .distance"))[1]) / 100;
-    // The distance along the axis alone bounds it from above: the nodes move by the drift and the deformation.
-    assert.ok(shown > 0.001 && shown < 0.1, `distance ${shown} a`);
-  });
+  onPage(
+    "measures the modified Hausdorff distance of the nodes",
+    `#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9${FLAT}`,
+    async (page) => {
+      await page.waitForFunction(() => /times the error/.test(document.querySelector("#compare").textContent));
+      const shown = Number(/([\d.]+) % a/.exec(await page.innerText("#compare .distance"))[1]) / 100;
+      // The distance along the axis alone bounds it from above: the nodes move by the drift and the deformation.
+      assert.ok(shown > 0.001 && shown < 0.1, `distance ${shown} a`);
+    },
+  );
 });
 
 describe("an uncertain answer", () => {
@@ -76,28 +88,34 @@ describe("an uncertain answer", () => {
 });
 
 describe("the map", () => {
-  onPage("draws contours of any read-out, on three scales", `#ca=0.1&al=0.9&t=20&layer=axial_length${FLAT}`, async (page) => {
-    await page.waitForFunction(() => document.querySelectorAll("#map .contour").length > 2);
-    const levels = await page.$$eval("#map .level", (labels) => labels.map((label) => Number(label.textContent)));
-    assert.ok(levels.length > 1 && levels.every((level) => level > 1 && level < 5), levels.join());
-    assert.match(await page.innerText("#map-legend"), /Axial length at t = 20/);
-    for (const scale of ["root", "log", "linear"]) {
-      await page.selectOption("#scale", scale);
+  onPage(
+    "draws contours of any read-out, on three scales",
+    `#ca=0.1&al=0.9&t=20&layer=axial_length${FLAT}`,
+    async (page) => {
+      await page.waitForFunction(() => document.querySelectorAll("#map .contour").length > 2);
+      const levels = await page.$$eval("#map .level", (labels) => labels.map((label) => Number(label.textContent)));
+      assert.ok(levels.length > 1 && levels.every((level) => level > 1 && level < 5), levels.join());
+      assert.match(await page.innerText("#map-legend"), /Axial length at t = 20/);
+      for (const scale of ["root", "log", "linear"]) {
+        await page.selectOption("#scale", scale);
+        await settled(page);
+        const point = await page.locator("#map-point").boundingBox();
+        await page.mouse.click(point.x + point.width / 2, point.y + point.height / 2);
+        await settled(page);
+        const { ca, confinement } = await state(page);
+        assert.ok(Math.abs(ca - 0.1) < 0.002 && Math.abs(confinement - 0.9) < 0.006, `${scale}: ${ca}, ${confinement}`);
+        await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.1, confinement: 0.9 }));
+        await settled(page);
+      }
+      await page.selectOption("#layer", "error_bound");
+      await page.waitForFunction(() =>
+        /against the full-order model/.test(document.querySelector("#map-legend").textContent),
+      );
+      await page.uncheck("#samples");
       await settled(page);
-      const point = await page.locator("#map-point").boundingBox();
-      await page.mouse.click(point.x + point.width / 2, point.y + point.height / 2);
-      await settled(page);
-      const { ca, confinement } = await state(page);
-      assert.ok(Math.abs(ca - 0.1) < 0.002 && Math.abs(confinement - 0.9) < 0.006, `${scale}: ${ca}, ${confinement}`);
-      await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.1, confinement: 0.9 }));
-      await settled(page);
-    }
-    await page.selectOption("#layer", "error_bound");
-    await page.waitForFunction(() => /against the full-order model/.test(document.querySelector("#map-legend").textContent));
-    await page.uncheck("#samples");
-    await settled(page);
-    assert.equal(await page.locator("#map .sample").count(), 0);
-  });
+      assert.equal(await page.locator("#map .sample").count(), 0);
+    },
+  );
 });
 
 describe("the mouse over the map", () => {
@@ -138,7 +156,13 @@ describe("the plots", () => {
 describe("physical units", () => {
   onPage("follow from an experiment's sizes and give them back", `#ca=0.1&al=0.9&t=2${FLAT}`, async (page) => {
     await page.click("#open-units");
-    for (const [id, value] of [["side", 60], ["viscosity", 2], ["modulus", 30], ["radius", 27], ["mean-velocity", 900]]) {
+    for (const [id, value] of [
+      ["side", 60],
+      ["viscosity", 2],
+      ["modulus", 30],
+      ["radius", 27],
+      ["mean-velocity", 900],
+    ]) {
       await page.fill(`#${id}`, String(value));
     }
     await settled(page);
@@ -163,30 +187,34 @@ describe("physical units", () => {
 });
 
 describe("export", () => {
-  onPage("gives numbers that are the native core's", `#ca=0.1&al=0.9&t=3&pins=A:paper:0.05,0.8${FLAT}`, async (page) => {
-    const json = await save(page, "Read-outs, now and along time, JSON");
-    const content = JSON.parse(json.bytes.toString());
-    const whole = predict(0.1, 0.9, [3], "direct");
-    assert.equal(content.model_digest, whole.model_digest);
-    assert.equal(`${content.errors_against} G_s a^2`.slice(0, 30), whole.errors_against.slice(0, 30));
-    assert.ok(json.name.includes(whole.model_digest));
-    const pairs = [
-      [content.traces[0].instant, native(0.1, 0.9, 3)],
-      [content.traces[1].instant, native(0.05, 0.8, 3, "paper")],
-      [content.traces[0].course.find(({ t }) => t === 6), native(0.1, 0.9, 6)],
-    ];
-    for (const [found, expected] of pairs) {
-      for (const quantity of QUANTITIES) {
-        assert.equal(Math.fround(found[quantity]), Math.fround(expected[quantity]), quantity);
+  onPage(
+    "gives numbers that are the native core's",
+    `#ca=0.1&al=0.9&t=3&pins=A:paper:0.05,0.8${FLAT}`,
+    async (page) => {
+      const json = await save(page, "Read-outs, now and along time, JSON");
+      const content = JSON.parse(json.bytes.toString());
+      const whole = predict(0.1, 0.9, [3], "direct");
+      assert.equal(content.model_digest, whole.model_digest);
+      assert.equal(`${content.errors_against} G_s a^2`.slice(0, 30), whole.errors_against.slice(0, 30));
+      assert.ok(json.name.includes(whole.model_digest));
+      const pairs = [
+        [content.traces[0].instant, native(0.1, 0.9, 3)],
+        [content.traces[1].instant, native(0.05, 0.8, 3, "paper")],
+        [content.traces[0].course.find(({ t }) => t === 6), native(0.1, 0.9, 6)],
+      ];
+      for (const [found, expected] of pairs) {
+        for (const quantity of QUANTITIES) {
+          assert.equal(Math.fround(found[quantity]), Math.fround(expected[quantity]), quantity);
+        }
       }
-    }
-    const csv = (await save(page, "Read-outs, now and along time, CSV")).bytes.toString().split("\n");
-    const head = csv.findIndex((line) => !line.startsWith("#"));
-    assert.ok(csv.slice(0, head).some((line) => line.includes(whole.model_digest)));
-    const columns = csv[head].split(",");
-    const row = csv.find((line) => line.startsWith("live,0.1,0.9,direct,3,")).split(",");
-    assert.equal(Math.fround(row[columns.indexOf("volume")]), Math.fround(native(0.1, 0.9, 3).volume));
-  });
+      const csv = (await save(page, "Read-outs, now and along time, CSV")).bytes.toString().split("\n");
+      const head = csv.findIndex((line) => !line.startsWith("#"));
+      assert.ok(csv.slice(0, head).some((line) => line.includes(whole.model_digest)));
+      const columns = csv[head].split(",");
+      const row = csv.find((line) => line.startsWith("live,0.1,0.9,direct,3,")).split(",");
+      assert.equal(Math.fround(row[columns.indexOf("volume")]), Math.fround(native(0.1, 0.9, 3).volume));
+    },
+  );
 
   onPage("gives a surface that holds the capsule's volume", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
     const { bytes } = await save(page, "Surface, lengths in l, STL");
@@ -203,7 +231,12 @@ describe("export", () => {
   });
 
   onPage("gives drawings that stand alone", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
-    for (const name of ["Map of the parameters", "Longitudinal section", "Transversal section", "Read-out along time"]) {
+    for (const name of [
+      "Map of the parameters",
+      "Longitudinal section",
+      "Transversal section",
+      "Read-out along time",
+    ]) {
       const text = (await save(page, `${name}, SVG`)).bytes.toString();
       const parts = await page.evaluate((source) => {
         const parsed = new DOMParser().parseFromString(source, "image/svg+xml");
@@ -234,19 +267,27 @@ describe("export", () => {
     assert.ok(bytes.length > 20_000, `${bytes.length} bytes`);
   });
 
-  onPage("gives a session that is opened again", `#ca=0.07&al=0.85&t=4&frame=centroid&pins=A:direct:0.1,0.9${FLAT}`, async (page) => {
-    const { name, bytes } = await save(page, "Session, to open again, Save");
-    const wanted = await state(page);
-    await page.click("#close-take-away");
-    await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.1, frame: "laboratory", pins: [], t: 1 }));
-    await page.setInputFiles("#model-file", { name, mimeType: "application/json", buffer: bytes });
-    await page.waitForFunction(() => window.capsuleExplorer.state.ca === 0.07);
-    const { ca, frame, pins, t } = await state(page);
-    assert.deepEqual([ca, frame, pins, t], [wanted.ca, wanted.frame, wanted.pins, wanted.t]);
-    await page.setInputFiles("#model-file", { name: "no.json", mimeType: "application/json", buffer: Buffer.from("{}") });
-    await page.waitForFunction(() => document.body.dataset.status === "failed");
-    assert.match(await page.innerText("#failure"), /no\.json is not a session/);
-  });
+  onPage(
+    "gives a session that is opened again",
+    `#ca=0.07&al=0.85&t=4&frame=centroid&pins=A:direct:0.1,0.9${FLAT}`,
+    async (page) => {
+      const { name, bytes } = await save(page, "Session, to open again, Save");
+      const wanted = await state(page);
+      await page.click("#close-take-away");
+      await page.evaluate(() => window.capsuleExplorer.set({ ca: 0.1, frame: "laboratory", pins: [], t: 1 }));
+      await page.setInputFiles("#model-file", { name, mimeType: "application/json", buffer: bytes });
+      await page.waitForFunction(() => window.capsuleExplorer.state.ca === 0.07);
+      const { ca, frame, pins, t } = await state(page);
+      assert.deepEqual([ca, frame, pins, t], [wanted.ca, wanted.frame, wanted.pins, wanted.t]);
+      await page.setInputFiles("#model-file", {
+        name: "no.json",
+        mimeType: "application/json",
+        buffer: Buffer.from("{}"),
+      });
+      await page.waitForFunction(() => document.body.dataset.status === "failed");
+      assert.match(await page.innerText("#failure"), /no\.json is not a session/);
+    },
+  );
 });
 
 describe("the sheet of keys", () => {
@@ -274,40 +315,52 @@ describe("the sheet of keys", () => {
 });
 
 describe("random use", () => {
-  onPage("of every control leaves no error and an answer that is the core's", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
-    const last = await page.evaluate(async () => {
-      let seed = 20260101;
-      // Linear congruential, modulus 2^31: the same walk in every run.
-      const random = (n) => {
-        seed = (1103515245 * seed + 12345) % 2147483648;
-        return Math.floor((seed / 2147483648) * n);
-      };
-      const pick = (values) => values[random(values.length)];
-      const views = ["midplane", "diagonal", "transversal", "plots"];
-      const moves = [
-        () => ({ ca: 0.005 + random(200) / 1000, extrapolate: random(3) === 0 }),
-        () => ({ confinement: 0.75 + random(45) / 100 }),
-        () => ({ t: random(201) / 10, playing: random(4) === 0 }),
-        () => ({ method: pick(["direct", "paper"]), frame: pick(["laboratory", "centroid"]) }),
-        () => ({ views: new Set(views.filter(() => random(2) === 0)) }),
-        () => ({ layer: pick(["none", "error_bound", "velocity"]), scale: pick(["linear", "root", "log"]) }),
-        () => ({ along: pick(["time", "ca", "confinement"]), trace: pick(["volume", "error_bound", "velocity"]) }),
-        () => ({ dimensions: pick([[], [100, 1, 10], [60, 2, 30]]), section: random(41) / 10 - 2 }),
-        () => {
-          const pins = ["A", "B", "C"].slice(0, random(4));
-          const query = () => ({ parameters: [0.01 + random(9) / 100, 0.8], method: "direct", extrapolate: false });
-          return { pins: pins.map((name) => ({ name, ...query() })) };
-        },
-      ];
-      for (let i = 0; i < 300; i++) {
-        window.capsuleExplorer.set(pick(moves)());
-        if (random(3) === 0) window.capsuleExplorer.read();
-        if (random(4) === 0) await new Promise(requestAnimationFrame);
-      }
-      window.capsuleExplorer.set({ ca: 0.06, confinement: 0.85, t: 5, method: "direct", playing: false, extrapolate: false });
-      return window.capsuleExplorer.read();
-    });
-    const expected = native(0.06, 0.85, 5);
-    for (const quantity of QUANTITIES) assert.equal(Math.fround(last[quantity]), Math.fround(expected[quantity]), quantity);
-  });
+  onPage(
+    "of every control leaves no error and an answer that is the core's",
+    `#ca=0.1&al=0.9&t=3${FLAT}`,
+    async (page) => {
+      const last = await page.evaluate(async () => {
+        let seed = 20260101;
+        // Linear congruential, modulus 2^31: the same walk in every run.
+        const random = (n) => {
+          seed = (1103515245 * seed + 12345) % 2147483648;
+          return Math.floor((seed / 2147483648) * n);
+        };
+        const pick = (values) => values[random(values.length)];
+        const views = ["midplane", "diagonal", "transversal", "plots"];
+        const moves = [
+          () => ({ ca: 0.005 + random(200) / 1000, extrapolate: random(3) === 0 }),
+          () => ({ confinement: 0.75 + random(45) / 100 }),
+          () => ({ t: random(201) / 10, playing: random(4) === 0 }),
+          () => ({ method: pick(["direct", "paper"]), frame: pick(["laboratory", "centroid"]) }),
+          () => ({ views: new Set(views.filter(() => random(2) === 0)) }),
+          () => ({ layer: pick(["none", "error_bound", "velocity"]), scale: pick(["linear", "root", "log"]) }),
+          () => ({ along: pick(["time", "ca", "confinement"]), trace: pick(["volume", "error_bound", "velocity"]) }),
+          () => ({ dimensions: pick([[], [100, 1, 10], [60, 2, 30]]), section: random(41) / 10 - 2 }),
+          () => {
+            const pins = ["A", "B", "C"].slice(0, random(4));
+            const query = () => ({ parameters: [0.01 + random(9) / 100, 0.8], method: "direct", extrapolate: false });
+            return { pins: pins.map((name) => ({ name, ...query() })) };
+          },
+        ];
+        for (let i = 0; i < 300; i++) {
+          window.capsuleExplorer.set(pick(moves)());
+          if (random(3) === 0) window.capsuleExplorer.read();
+          if (random(4) === 0) await new Promise(requestAnimationFrame);
+        }
+        window.capsuleExplorer.set({
+          ca: 0.06,
+          confinement: 0.85,
+          t: 5,
+          method: "direct",
+          playing: false,
+          extrapolate: false,
+        });
+        return window.capsuleExplorer.read();
+      });
+      const expected = native(0.06, 0.85, 5);
+      for (const quantity of QUANTITIES)
+        assert.equal(Math.fround(last[quantity]), Math.fround(expected[quantity]), quantity);
+    },
+  );
 });

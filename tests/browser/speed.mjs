@@ -67,7 +67,7 @@ try {
   });
   await page.goto("http://explorer.test/");
   for (const [task, median] of Object.entries(await page.evaluate(measure))) {
-    console.log(`${task.padEnd(40)} ${median.toFixed(1).padStart(9)} us`);
+    process.stdout.write(`${task.padEnd(40)} ${median.toFixed(1).padStart(9)} us\n`);
   }
 } finally {
   await browser.close();

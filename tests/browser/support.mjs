@@ -74,7 +74,7 @@ export function startBrowser(extra = []) {
   return chromium.launch({ executablePath, args: [...ARGUMENTS, ...extra] });
 }
 
-/** Serves wasm/explorer/dist on a free port, unless BASE_URL names a server. Returns its address and a way to stop it. */
+/** Serves wasm/explorer/dist on a free port, unless BASE_URL names a server. Returns its address and how to stop it. */
 export async function serve() {
   if (process.env.BASE_URL !== undefined) {
     return { url: process.env.BASE_URL.replace(/\/?$/, "/"), stop: () => {} };
@@ -95,7 +95,12 @@ export async function serve() {
     if (server.exitCode !== null) {
       throw new Error(`vite preview ended with exit code ${server.exitCode}`);
     }
-    if (await fetch(url).then((response) => response.ok, () => false)) {
+    if (
+      await fetch(url).then(
+        (response) => response.ok,
+        () => false,
+      )
+    ) {
       return { url, stop: () => server.kill() };
     }
     await new Promise((wake) => setTimeout(wake, 200));

@@ -1,6 +1,6 @@
 /* Cost of the online stage on a Cortex-M, through the C interface: instructions by the board's 25 MHz timer (QEMU with
-   -icount shift=6 spends 64 ns on each), and stack by painting it below the frame of the caller. Prints a line "name value"
-   for each figure. */
+   -icount shift=6 spends 64 ns on each), and stack by painting it below the frame of the caller. Prints a line
+   "name value" for each figure. */
 #include <capsule.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -56,7 +56,8 @@ static uint32_t extrapolate;
 
 static void prepare(uint32_t by, float capillary_number, float radius) {
   const float parameters[] = {capillary_number, radius};
-  const capsule_query query = {.parameters = parameters, .parameter_count = 2, .method = by, .extrapolate = extrapolate};
+  const capsule_query query = {
+      .parameters = parameters, .parameter_count = 2, .method = by, .extrapolate = extrapolate};
   capsule_domain domain;
   check(capsule_prepare(&model, &workspace, &query, &domain, NULL));
   if ((domain == CAPSULE_DOMAIN_INSIDE) == (extrapolate != 0)) {
@@ -100,7 +101,8 @@ static void membrane_totals(void) {
 }
 
 static void positions(void) {
-  check(capsule_positions_at(&model, &workspace, 3.3f, CAPSULE_FRAME_CENTROID, NULL, 0, numbers, 3 * 4096, &count, NULL));
+  check(capsule_positions_at(
+      &model, &workspace, 3.3f, CAPSULE_FRAME_CENTROID, NULL, 0, numbers, 3 * 4096, &count, NULL));
 }
 
 static void velocities(void) {

@@ -1,5 +1,6 @@
-/* How much the cost of a query spreads: instructions of many queries, one in a line, as in budgets.c. Random places in the
-   sampled domain, and places chosen to be costly: samples, the clusters' border, corners, and what lies close to them. */
+/* How much the cost of a query spreads: instructions of many queries, one in a line, as in budgets.c. Random places in
+   the sampled domain, and places chosen to be costly: samples, the clusters' border, corners, and what lies close to
+   them. */
 #include <capsule.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -31,9 +32,10 @@ static float random_number(void) {
   return (float)(state >> 8) / 16777216.0f;
 }
 
-/* A query to the observables of one instant. Returns whether it was asked: within the sampled domain, or outside of it where
-   it is extrapolated. */
-static int ask(const char *name, uint32_t method, uint32_t extrapolate, float capillary_number, float confinement, float t) {
+/* A query to the observables of one instant. Returns whether it was asked: within the sampled domain, or outside of it
+   where it is extrapolated. */
+static int ask(const char *name, uint32_t method, uint32_t extrapolate, float capillary_number, float confinement,
+               float t) {
   const float parameters[] = {capillary_number, confinement};
   const capsule_query query = {
       .parameters = parameters, .parameter_count = 2, .method = method, .extrapolate = extrapolate};
@@ -53,7 +55,8 @@ static int ask(const char *name, uint32_t method, uint32_t extrapolate, float ca
 }
 
 /* So many queries at random places and instants. */
-static void ask_randomly(const char *name, uint32_t method, uint32_t extrapolate, int count, const capsule_parameter *range) {
+static void ask_randomly(const char *name, uint32_t method, uint32_t extrapolate, int count,
+                         const capsule_parameter *range) {
   while (count > 0) {
     float place[2];
     for (int d = 0; d < 2; d++)

@@ -76,7 +76,10 @@ fn bytes<const FROM: u32>(word: u32) -> u32 {
     let halves;
     // SAFETY: the instruction computes a register from a register.
     unsafe {
-        core::arch::asm!("sxtb16 {}, {}, ror #{}", out(reg) halves, in(reg) word, const FROM, options(pure, nomem, nostack));
+        core::arch::asm!(
+            "sxtb16 {}, {}, ror #{}",
+            out(reg) halves, in(reg) word, const FROM, options(pure, nomem, nostack)
+        );
     }
     halves
 }
@@ -87,7 +90,10 @@ fn bytes<const FROM: u32>(word: u32) -> u32 {
 fn add_halves(mut sum: i32, a: u32, b: u32) -> i32 {
     // SAFETY: the instruction computes a register from three.
     unsafe {
-        core::arch::asm!("smlad {0}, {1}, {2}, {0}", inout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack));
+        core::arch::asm!(
+            "smlad {0}, {1}, {2}, {0}",
+            inout(reg) sum, in(reg) a, in(reg) b, options(pure, nomem, nostack)
+        );
     }
     sum
 }

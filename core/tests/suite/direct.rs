@@ -1,7 +1,7 @@
 //! Direct evaluation against a family with exact answers.
 
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace};
 use crate::common::{Family, distance};
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace};
 
 const ALL: Scene<'_> = Scene {
     nodes: Nodes::All,

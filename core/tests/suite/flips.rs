@@ -1,8 +1,8 @@
 //! Every bit of a small model, flipped under a checksum that agrees: refused, or answers that are finite or errors.
 
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
 use crate::common::Family;
 use crate::header::with_header;
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Scene, Workspace};
 
 const HEADER: usize = 16;
 

@@ -1,10 +1,10 @@
 //! The model file: what is written is read, in place; what is wrong is refused by name.
 
+use crate::common::{Arena, Family, write};
+use crate::header::with_header;
 use capsule_core::model::wire::{Blob, Contents, Encoding, Matrix, Reference, Widths};
 use capsule_core::model::{MatrixView, encode};
 use capsule_core::{EncodeError, Evaluator, Method, Model, OpenError, Query, Workspace};
-use crate::common::{Arena, Family, write};
-use crate::header::with_header;
 use proptest::prelude::*;
 
 const HEADER: usize = 16;

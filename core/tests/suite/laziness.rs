@@ -1,10 +1,10 @@
 //! A quantity that is not requested is not computed: counted by the stored numbers that are read and the operations,
 //! with a number that counts.
 
+use crate::common::{FUNCTIONS, Family, SHAPE_MODES};
 use capsule_core::mechanics::{Deformation, Stencil};
 use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Real, Scene, Workspace, section};
 use capsule_opcount::{Counted, count};
-use crate::common::{FUNCTIONS, Family, SHAPE_MODES};
 
 /// Constants in the code count as reads too: so many a call has at most.
 const CONSTANTS: usize = 3;

@@ -1,10 +1,10 @@
 //! Where the promises end: the smallest workspaces, models just over them, single precision where it is worst
 //! conditioned.
 
+use crate::common::{Arena, Family, distance, write};
 use capsule_core::model::wire::{Contents, Matrix};
 use capsule_core::{EvaluateError, OpenError};
 use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace, scratch_len};
-use crate::common::{Arena, Family, distance, write};
 
 /// A model that needs 15 parameter modes, 4 local modes and 15 neighbours: for the paper's method 12 and the ridge's 3
 /// rows.

@@ -1,8 +1,8 @@
 //! The mechanics of the membrane against exact deformations of the sphere.
 
+use crate::common::{Family, Sphere};
 use capsule_core::mechanics::{Deformation, Membrane, Stencil};
 use capsule_core::{EvaluateError, Evaluator, Method, Model, Query, Real, Workspace};
-use crate::common::{Family, Sphere};
 use std::cell::{Cell, RefCell};
 
 type Point = [f64; 3];

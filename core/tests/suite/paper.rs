@@ -1,7 +1,7 @@
 //! Algorithm 2 against the exact answers and against direct evaluation.
 
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Scheme, Workspace};
 use crate::common::{Family, distance};
+use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Scheme, Workspace};
 
 const LABORATORY: Scene<'_> = Scene {
     nodes: Nodes::All,

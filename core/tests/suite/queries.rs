@@ -1,11 +1,11 @@
 //! Queries: domain, errors, what is computed again and what is not.
 
+use crate::common::{self, Family};
 use capsule_core::model::wire::Matrix;
 use capsule_core::{
     DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Scene,
     Workspace, playback_len, scratch_len,
 };
-use crate::common::{self, Family};
 use proptest::prelude::*;
 
 const METHODS: [Method; 2] = [Method::Direct, Method::Paper];
@@ -196,7 +196,11 @@ proptest! {
             let model = Model::open(file).unwrap();
             let mut workspace = Workspace::<f32>::new();
             let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
-            let query = Query { extrapolate: true, step: Some(step), ..Query::new([ca, confinement], METHODS[usize::from(paper)]) };
+            let query = Query {
+                extrapolate: true,
+                step: Some(step),
+                ..Query::new([ca, confinement], METHODS[usize::from(paper)])
+            };
             let Ok(domain) = evaluator.prepare(&query) else {
                 assert_eq!(evaluator.at(1.0).unwrap_err(), EvaluateError::NotPrepared);
                 return;

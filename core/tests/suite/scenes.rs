@@ -1,11 +1,11 @@
 //! Results of scenes: observables, volume, outlines, sections; and the quantities that they do not compute.
 
+use crate::common::{Family, distance};
 use capsule_core::model::MatrixView;
 use capsule_core::{
     DIAGONAL, Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Playback, Query, Real, Scene,
     Workspace, playback_len, section,
 };
-use crate::common::{Family, distance};
 
 const PARAMETERS: [f64; 2] = [0.05, 0.97];
 const T: f64 = 2.0;

@@ -1,7 +1,7 @@
 //! The silhouette against surfaces whose projection is known, and against the meridians of a dented one.
 
-use capsule_core::{EvaluateError, Model, silhouette};
 use crate::common::Family;
+use capsule_core::{EvaluateError, Model, silhouette};
 
 const COUNT: usize = 65;
 

@@ -44,7 +44,8 @@ pub fn run(options: &Options) -> Result<()> {
         if let Some(first) = queue.missing().first() {
             let (done, most) = queue.count();
             bail!(
-                "the design is not complete: Ca = {}, a/l = {} is missing ({done} of at most {most} configurations are there)",
+                "the design is not complete: Ca = {}, a/l = {} is missing ({done} of at most {most} configurations are \
+                 there)",
                 first.capillary_number,
                 first.confinement
             );

@@ -52,7 +52,8 @@ pub fn description(settings: &Settings) -> Result<Description> {
 pub fn film_warning(solver: &Solver, outcome: &Outcome) -> Option<String> {
     let film = solver.unresolved_film(outcome)?;
     Some(format!(
-        "a film of {:.3} l at t = {:.2}, where the walls' panels resolve {:.3} l: velocities of nodes in the film may be \
+        "a film of {:.3} l at t = {:.2}, where the walls' panels resolve {:.3} l: velocities of nodes in the film may \
+         be \
          wrong by 0.01 V, that of the capsule by 0.0003 V",
         film.thickness,
         film.time,

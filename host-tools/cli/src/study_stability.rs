@@ -90,7 +90,8 @@ fn tell(found: &Stability) -> Result<()> {
     let greatest =
         |value: fn(&capsule_study::stability::Place) -> f64| found.places.iter().map(value).fold(0.0, f64::max);
     println!(
-        "over {} queries at most: Lebesgue constant {:.2} (direct) and {:.2} (paper), condition number {:.1e}, error of a \
+        "over {} queries at most: Lebesgue constant {:.2} (direct) and {:.2} (paper), condition number {:.1e}, error \
+         of a \
          weight in single precision {:.1e}",
         found.places.len(),
         greatest(|place| place.direct_lebesgue),

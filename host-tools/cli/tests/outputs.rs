@@ -197,7 +197,8 @@ fn runs_of_one_kind_share_a_folder() {
     let root = tempfile::tempdir().unwrap();
     let run = |ca: &str, mesh: u32| {
         format!(
-            "fom run --ca {ca} --confinement 0.8 --mesh {mesh} --end-time 0.05 --json --out run --fields load --csv run/n.csv"
+            "fom run --ca {ca} --confinement 0.8 --mesh {mesh} --end-time 0.05 --json --out run --fields load --csv \
+             run/n.csv"
         )
     };
     for ca in ["0.1", "0.2"] {

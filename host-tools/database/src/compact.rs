@@ -241,9 +241,13 @@ mod tests {
     proptest! {
         #[test]
         fn any_numbers_come_back(
-            rows in proptest::collection::vec(proptest::collection::vec([-9e5..9e5f64, -1.0..1.0, -1e-3..1e-3], 4), 1..12),
+            rows in proptest::collection::vec(
+                proptest::collection::vec([-9e5..9e5f64, -1.0..1.0, -1e-3..1e-3], 4),
+                1..12,
+            ),
         ) {
-            let velocities: Vec<_> = rows.iter().rev().map(|r| r.iter().map(|v| v.map(|c| 1e-2 * c)).collect()).collect();
+            let slower = |row: &Vec<[f64; 3]>| row.iter().map(|v| v.map(|c| 1e-2 * c)).collect();
+            let velocities: Vec<_> = rows.iter().rev().map(slower).collect();
             let (x, v) = round_trip(&rows, &velocities);
             prop_assert!(x <= 0.51 * POSITION_STEP && v <= 0.51 * VELOCITY_STEP, "{} {}", x, v);
         }

@@ -75,7 +75,8 @@ pub enum OfflineError {
     },
     /// The mesh has more nodes than the model file can index.
     #[error(
-        "the mesh has {nodes} nodes, counting each as often as an operation of its symmetry takes one there; a model file \
+        "the mesh has {nodes} nodes, counting each as often as an operation of its symmetry takes one there; a model \
+         file \
          indexes at most {limit}"
     )]
     TooManyNodes {

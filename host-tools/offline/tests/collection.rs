@@ -108,8 +108,8 @@ fn predicted(model: &Model, parameters: &[f64], t: f64) -> Result<Vec<[f64; 3]>,
 }
 
 /// The kernel returns quadratics exactly. What is left of the sine is its Taylor remainder: with s = WAVE . theta,
-/// |sin s_j - (its parabola at s)| <= |s_j - s|^3 / 6, so the error is at most sum_j |L_j| |s_j - s|^3 / 6 times the factor
-/// of the sine.
+/// |sin s_j - (its parabola at s)| <= |s_j - s|^3 / 6, so the error is at most sum_j |L_j| |s_j - s|^3 / 6 times the
+/// factor of the sine.
 fn bound(model: &Model, parameters: &[f64], t: f64) -> f64 {
     let contents = model.contents();
     let samples = MatrixView::new(&contents.clusters[0].samples.parameters);

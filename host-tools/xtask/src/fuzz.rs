@@ -88,7 +88,8 @@ impl Target {
     fn cargo_fuzz(&self, what: &str, folder: &Path) -> Command {
         let Self { name, sanitizer, .. } = self;
         let mut cargo_fuzz = command(&format!(
-            "cargo +nightly fuzz {what} --features fuzzer --no-trace-compares --sanitizer {sanitizer} {name} --target-dir"
+            "cargo +nightly fuzz {what} --features fuzzer --no-trace-compares --sanitizer {sanitizer} {name} \
+             --target-dir"
         ));
         cargo_fuzz.arg(folder.join(sanitizer));
         cargo_fuzz

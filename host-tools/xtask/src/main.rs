@@ -2,6 +2,7 @@
 
 mod book;
 mod budgets;
+mod columns;
 mod command;
 mod conformance;
 mod explore;

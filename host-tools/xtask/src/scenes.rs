@@ -22,7 +22,8 @@ pub fn scenes() -> Result<()> {
         limit("bytes_per_ns")
     );
     println!(
-        "| task | instructions | operations | numbers read | bytes of the model | bytes of the answer | us | least possible us |"
+        "| task | instructions | operations | numbers read | bytes of the model | bytes of the answer | us | least \
+         possible us |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     for task in found["tasks"].as_array().into_iter().flatten() {
@@ -50,7 +51,8 @@ pub fn scenes() -> Result<()> {
 /// Instructions of one task, once, with the random query of this number.
 fn instructions(program: &str, task: &str, query: u64) -> Result<u64> {
     let line = format!(
-        "valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=*Asker*::answer* {program} study scenes \
+        "valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=*Asker*::answer* {program} study \
+         scenes \
          --once {task} --query {query}"
     );
     let counted = command(&line)

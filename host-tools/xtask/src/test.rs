@@ -3,7 +3,8 @@
 use crate::command::{command, command_in, run};
 use crate::setup::{self, Tool};
 use crate::{
-    book, budgets, conformance, explore, fuzz, licences, miri, package, python, root, target_directory, targets,
+    book, budgets, columns, conformance, explore, fuzz, licences, miri, package, python, root, target_directory,
+    targets,
 };
 use anyhow::{Result, bail};
 use clap::ValueEnum;
@@ -22,7 +23,7 @@ pub struct Options {
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Stage {
-    /// rustfmt, clippy, rustdoc
+    /// lengths of lines, rustfmt, clippy, rustdoc
     Lint,
     /// words of sources and documents (typos)
     Spelling,
@@ -102,6 +103,7 @@ impl Stage {
     fn run(self) -> Result<()> {
         match self {
             Self::Lint => {
+                columns::check()?;
                 run(&mut command("cargo fmt --all --check"))?;
                 run(&mut command(
                     "cargo clippy --quiet --workspace --all-targets -- -D warnings",

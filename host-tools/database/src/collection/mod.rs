@@ -8,7 +8,7 @@
 //! | `parameters` | (Nc, P) | P from 1 to 4; a row for each configuration, all different |
 //! | `times` | (Nt,) | rising from 0, the same for all configurations |
 //! | `positions` | (Nc, Nt, Nx, 3) | nodes in the laboratory frame, x along the channel |
-//! | `elements` | (Ne, 3) or (Ne, 6) | nodes of each triangle, counter-clockwise from outside; 6: mid-edges (0,1) (1,2) (2,0) last |
+//! | `elements` | (Ne, 3) or (Ne, 6) | nodes, counter-clockwise from outside; mid-edges (0,1) (1,2) (2,0) last |
 //! | `velocities` | as `positions` | optional; else the derivative of a spline through the positions |
 //! | `parameter_names` | (P,) | optional texts |
 //! | `length_unit`, `time_unit` | () | optional texts |

@@ -71,7 +71,8 @@ fn evaluations(frequency: usize, repetitions: usize) -> Result<(), Box<dyn std::
         let traction = ms(&|_| duct.velocity_at(&membrane, &[], &mut []))?;
         let total = ms(&|out| duct.velocity(&membrane, &symmetry.sector, out))?;
         println!(
-            "{precision:?}: {total:.2} ms = {capsule_to_capsule:.2} capsule to capsule + {traction:.2} capsule to wall and \
+            "{precision:?}: {total:.2} ms = {capsule_to_capsule:.2} capsule to capsule + {traction:.2} capsule to wall \
+             and \
              traction there + {:.2} wall to capsule (setting up the duct: {set_up:.2} s)",
             total - capsule_to_capsule - traction
         );

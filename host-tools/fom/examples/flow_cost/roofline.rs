@@ -23,7 +23,8 @@ pub fn print(repetitions: usize) {
     let memory = reading(256 << 20, repetitions.min(20)) / 1e9;
     let cache = reading(MATRIX * MATRIX * 4, repetitions) / 1e9;
     println!(
-        "peaks: {:.0} GFlop/s in single and {:.0} in double precision (fused multiply-adds in registers), reading {memory:.1} \
+        "peaks: {:.0} GFlop/s in single and {:.0} in double precision (fused multiply-adds in registers), reading \
+         {memory:.1} \
          GB/s from memory and {cache:.1} GB/s of an array of the size of the walls' matrix",
         fma[0] / 1e9,
         fma[1] / 1e9,

@@ -110,7 +110,8 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, shown: &Shown) -> 
     let mut section = Section::new(
         "One query in time (Figs. 10 and 11)",
         &format!(
-            "Ca = {ca}, a/l = {confinement}: the configuration closest to the paper's (0.10, 0.90) that is not in the model. Local modes by the \
+            "Ca = {ca}, a/l = {confinement}: the configuration closest to the paper's (0.10, 0.90) that is not in the \
+             model. Local modes by the \
              POD of the predicted snapshots; the truth is projected onto them."
         ),
     );
@@ -199,7 +200,8 @@ pub(super) fn evolution(sheet: &mut Sheet, subject: &Subject, shown: &Shown) -> 
 pub(super) fn profiles(sheet: &mut Sheet, model: &Model, shown: &Shown) -> Result<Section, StudyError> {
     let mut section = Section::new(
         "Profiles (Fig. 14)",
-        "Sections z = 0 at t = 0, 1, 2 and 8: full-order model (lines) and prediction by direct evaluation (dots). None of these configurations is in the model.",
+        "Sections z = 0 at t = 0, 1, 2 and 8: full-order model (lines) and prediction by direct evaluation (dots). \
+         None of these configurations is in the model.",
     );
     let mut workspace = Box::new(Workspace::<f64>::new());
     let mut evaluator = Evaluator::new(model, &mut workspace)?;

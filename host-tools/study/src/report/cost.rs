@@ -212,9 +212,12 @@ impl Comparison {
         let mut section = Section::new(
             "Run time against error",
             &format!(
-                "Time of a new query and {INSTANTS} instants with all nodes on one core of this machine, against the mean error at t = 8 \
-                 over {} configurations that the model does not contain (distance of corresponding nodes in the laboratory frame). \
-                 The median over the configurations of the least of {} times. The default step of the paper's method is a \
+                "Time of a new query and {INSTANTS} instants with all nodes on one core of this machine, against the \
+                 mean error at t = 8 \
+                 over {} configurations that the model does not contain (distance of corresponding nodes in the \
+                 laboratory frame). \
+                 The median over the configurations of the least of {} times. The default step of the paper's method \
+                 is a \
                  thousandth of the end time.",
                 self.truths.len(),
                 self.repetitions
@@ -260,7 +263,8 @@ impl Comparison {
     fn size(&self, sheet: &mut Sheet) -> Result<Section, StudyError> {
         let mut section = Section::new(
             "Size against error",
-            "Models of the same samples with other tolerances of the truncation, direct evaluation; the rows of the table above that \
+            "Models of the same samples with other tolerances of the truncation, direct evaluation; the rows of the \
+             table above that \
              are called tolerance.",
         );
         let of_size = |way: &Way| way.kind == TOLERANCE || way.kind == "direct";
@@ -286,8 +290,10 @@ pub(super) fn scenes(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
     let mut section = Section::new(
         "What a scene costs",
         &format!(
-            "Direct evaluation in single precision, medians over {} random questions, on one core of this machine, which does at most \
-             {:.0} operations a nanosecond ({:.0} with the instructions of any processor of its kind, by which all is done but \
+            "Direct evaluation in single precision, medians over {} random questions, on one core of this machine, \
+             which does at most \
+             {:.0} operations a nanosecond ({:.0} with the instructions of any processor of its kind, by which all is \
+             done but \
              products with panels) and reads {:.0} bytes of the model. Tasks called scene ask of prepared parameters; \
              the bytes are whole blocks of 256 of the model on which the answer depends.",
             questions.len(),

@@ -60,7 +60,8 @@ pub fn report(subject: &Subject, folder: &Path, progress: Progress) -> Result<()
 fn stable(sheet: &mut Sheet, found: &crate::stability::Stability) -> Result<Section, StudyError> {
     let mut section = Section::new(
         "Numerical stability",
-        "Errors are the mean distance of corresponding nodes in the laboratory frame, in per cent of a, over configurations that the model does not contain. \
+        "Errors are the mean distance of corresponding nodes in the laboratory frame, in per cent of a, over \
+         configurations that the model does not contain. \
          A failure is no answer, or one that is wrong by more than a. On logarithmic axes 0 is shown at 1e-10.",
     );
     let text = |value: f64| format!("{value:.6}");

@@ -52,7 +52,8 @@ pub(super) fn design(sheet: &mut Sheet, subject: &Subject, model: &Model) -> Res
     series.retain(|(_, _, points)| !points.is_empty());
     let mut section = Section::new(
         "The design (Fig. 7)",
-        "Configurations of the full-order model that the reduced-order model is built from, in two clusters that share a row; beyond the \
+        "Configurations of the full-order model that the reduced-order model is built from, in two clusters that share \
+         a row; beyond the \
          steady limit the capsule elongates for ever; at the border the rear of the membrane buckles with a jump.",
     );
     let curves = Curves {
@@ -100,7 +101,8 @@ fn spectra(sheet: &mut Sheet, built: &BuildReport, design: &str) -> Result<Secti
     let mut section = Section::new(
         "Decay of the singular values (Figs. 8 and 9)",
         &format!(
-            "{design}, in the laboratory frame as in the paper. S: parameter modes, T: space modes; u: displacement, v: velocity. The \
+            "{design}, in the laboratory frame as in the paper. S: parameter modes, T: space modes; u: displacement, \
+             v: velocity. The \
              paper reads the rank at 1 - RIC = 1e-7: 7 and 23 parameter modes, 7 and 56 space modes."
         ),
     );
@@ -149,8 +151,10 @@ fn left_out(sheet: &mut Sheet, built: &BuildReport, design: &str) -> Result<Sect
     let mut section = Section::new(
         "Leave-one-out errors (Fig. 13)",
         &format!(
-            "{design}: each sample is predicted by a model that was built without it. Modified Hausdorff distance in the laboratory \
-             frame, in per cent of a. Configurations whose run was not steady by its end have no cell. The paper states a mean \
+            "{design}: each sample is predicted by a model that was built without it. Modified Hausdorff distance in \
+             the laboratory \
+             frame, in per cent of a. Configurations whose run was not steady by its end have no cell. The paper \
+             states a mean \
              below 0.2 % and a maximum of 3.3 %."
         ),
     );

@@ -43,8 +43,10 @@ pub(super) fn page(model: &Model, sections: &[Section]) -> String {
                     h1 { (title) ": accuracy, speed and stability" }
                     p {
                         "Model " (format!("{:08x}", model.digest())) ", " (model.mesh().nodes()) " nodes. "
-                        "Lengths are in l, half the channel's side; velocities in the mean velocity V; times in l/V; a is "
-                        "the capsule's radius. The numbers behind each figure are in the CSV file that is named with it."
+                        "Lengths are in l, half the channel's side; velocities in the mean velocity V; times in l/V; a \
+                         is "
+                        "the capsule's radius. The numbers behind each figure are in the CSV file that is named with \
+                         it."
                     }
                     nav aria-label="Contents" {
                         ul {

@@ -24,7 +24,8 @@ pub(super) fn section(sheet: &mut Sheet, model: &Model) -> Result<Section, Study
     let mut section = Section::new(
         "The capsule in space (Fig. 12)",
         &format!(
-            "Predicted shapes at Ca = {ca}, a/l = {confinement}, in the frame of the centroid; behind them the shape at t = 0. The flow goes \
+            "Predicted shapes at Ca = {ca}, a/l = {confinement}, in the frame of the centroid; behind them the shape \
+             at t = 0. The flow goes \
              to the right."
         ),
     );

@@ -360,7 +360,8 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("a.json"), r#"{"x": 0.0149, "y": 27280}"#).unwrap();
         let text = "It is 0.015<!-- = a.json / x --> and\n| row 3 | 0.014 | 27,280 | <!-- = a.json / x y -->\n";
-        let rows = "<!-- rows = b.json /list/* x - -->\n\n| t | x | y |\n|---|---|---|\n| 1 | 0.5 | 9 |\n| 2 | 0.7 | 9 |\n\n| 3 |\n";
+        let rows = "<!-- rows = b.json /list/* x - -->\n\n| t | x | y |\n|---|---|---|\n| 1 | 0.5 | 9 |\n\
+                    | 2 | 0.7 | 9 |\n\n| 3 |\n";
         std::fs::write(folder.join("b.json"), r#"{"list": [{"x": 0.51}, {"x": 0.6}]}"#).unwrap();
         let pages = [Page::new("p.md", text), Page::new("q.md", rows)];
         let faults = faults(&pages, &folder);

@@ -25,7 +25,8 @@ pub fn check() -> Result<()> {
     let stored: Value = serde_json::from_str(&std::fs::read_to_string(root().join(RESULTS)).context(RESULTS)?)?;
     if stored["digest"] != model.digest() {
         bail!(
-            "the results in {RESULTS} and beside it are of the model {}, not of {}: docs/maintainers/releases.md has the \
+            "the results in {RESULTS} and beside it are of the model {}, not of {}: docs/maintainers/releases.md has \
+             the \
              commands that renew them",
             stored["digest"],
             model.digest()

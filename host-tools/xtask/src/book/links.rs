@@ -2,14 +2,13 @@
 
 use super::page::Page;
 use super::resolve;
+use crate::columns::COLUMNS;
 use std::path::Path;
 
 /// Folders of the repository: a code span that starts with one of them and a slash names a file or a folder.
 const ROOMS: [&str; 6] = ["core/", "wasm/", "host-tools/", "tests/", "models/", "docs/"];
 /// Folders that a build makes and no clone holds.
 const BUILT: [&str; 1] = ["wasm/explorer/dist/"];
-/// The greatest length of a line of prose; tables, comments, indented code and links may be longer.
-const COLUMNS: usize = 120;
 
 /// Faults of the pages of a repository.
 pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
@@ -25,6 +24,7 @@ pub fn faults(pages: &[Page], root: &Path) -> Vec<String> {
                     faults.push(page.fault(number, &format!("there is no `{path}`")));
                 }
             }
+            // Tables, comments, indented code and links cannot be wrapped.
             let excused = ["|", "<!--", "    "].iter().any(|start| line.starts_with(start)) || line.contains("](");
             if line.chars().count() > COLUMNS && !excused {
                 faults.push(page.fault(number, &format!("more than {COLUMNS} columns")));
@@ -124,8 +124,8 @@ mod tests {
 
     #[test]
     fn links_and_paths_that_exist_are_right() {
-        let text = "# A title\n[x](#a-title), [y](SUMMARY.md), [z](https://example.org/a), `core/src/lib.rs`, `core/dsp/`, \
-                    `wasm/explorer/dist/`,\n\
+        let text = "# A title\n[x](#a-title), [y](SUMMARY.md), [z](https://example.org/a), `core/src/lib.rs`, \
+                    `core/dsp/`, `wasm/explorer/dist/`,\n\
                     ```sh\n[not](a/link.md)\n```\n`[nor](this.md)`, `tests/*.c`\n";
         assert_eq!(found(&[SUMMARY, ("docs/README.md", text)]), [""; 0]);
     }

@@ -1,7 +1,7 @@
 /** How long one frame may spend on what is computed beside it. */
 const BUDGET_MS = 5;
 
-/** Work in the gaps between frames: each job is a generator that yields after a piece of some tenths of a millisecond. */
+/** Work in the gaps between frames: each job is a generator that yields after some tenths of a millisecond. */
 export class Jobs {
   readonly #jobs = new Map<string, Generator<void>>();
   #frame = 0;

@@ -10,7 +10,7 @@ const INSTANTS = 101;
 
 type Numbers = Record<string, number | null>;
 
-/** The read-outs of an answer by name, in the units shown, errors in the radius; null is a bound that does not exist. */
+/** The read-outs of an answer by name, in the units shown, errors in the radius; null: there is no bound. */
 function readouts(answer: Answer, units: Units): Numbers {
   return Object.fromEntries(
     QUANTITIES.map((quantity) => {

@@ -1,7 +1,7 @@
 const HEADER = 80;
 const FACET = 50;
 
-/** A surface as a binary STL file: vertices x, y, z, ..., three indices a triangle, and a line of words in its header. */
+/** A surface as a binary STL file: vertices x, y, z, ..., three indices a triangle, and a title in its header. */
 export function toStl(positions: Float32Array, triangles: Uint32Array, words: string): ArrayBuffer {
   const count = triangles.length / 3;
   const file = new ArrayBuffer(HEADER + 4 + FACET * count);

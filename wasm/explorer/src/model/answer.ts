@@ -61,7 +61,7 @@ export class Answer {
     return bound === undefined || bound > UNCERTAIN;
   }
 
-  /** Half the width of the band that the outline lies in, in the radius: the bound, or the guess where there is none. */
+  /** Half the width of the band that the outline lies in, in a: the bound, or the guess where there is none. */
   get band(): number {
     return this.read("error_bound") ?? this.read("expected_error") ?? 0;
   }

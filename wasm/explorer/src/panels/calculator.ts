@@ -5,7 +5,7 @@ import type { Need } from "../model/capsule";
 import { lengthScale, velocityScale } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
 
-/** The sizes of an experiment: each in its unit, as the state gives it, and the change of the state that gives it back. */
+/** The sizes of an experiment: each in its unit, as the state gives it, and the change of state that sets it. */
 interface Size {
   readonly id: string;
   readonly name: string;
@@ -88,7 +88,7 @@ const SIZES: readonly Size[] = [
   },
 ];
 
-/** The dialog that turns the sizes of an experiment into Ca and a/l and back, and shows everything in physical units. */
+/** The dialog that turns the sizes of an experiment into Ca and a/l and back, and shows physical units. */
 export class Calculator implements ViewPart {
   readonly needs: readonly Need[] = [];
   readonly #open: HTMLButtonElement;

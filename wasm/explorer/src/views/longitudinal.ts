@@ -183,10 +183,10 @@ export class Longitudinal implements ViewPart {
       parts.push(text);
     }
     this.#ticks.replaceChildren(...parts);
-    const unit = units.drawn.name;
-    this.#caption.innerHTML = laboratory
-      ? `<tspan class="symbol">x</tspan> [${unit}]`
-      : `<tspan class="symbol">x</tspan> − <tspan class="symbol">X</tspan><tspan class="sub" dy="3">c</tspan><tspan dy="-3"> [${unit}]</tspan>`;
+    const unit = `[${units.drawn.name}]`;
+    const x = '<tspan class="symbol">x</tspan>';
+    const centroid = '<tspan class="symbol">X</tspan><tspan class="sub" dy="3">c</tspan>';
+    this.#caption.innerHTML = laboratory ? `${x} ${unit}` : `${x} − ${centroid}<tspan dy="-3"> ${unit}</tspan>`;
   }
 }
 
