@@ -21,6 +21,16 @@ async function save(page, name) {
   return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
 }
 
+/** Volume within a closed surface: a sixth of the sum of its corners' determinants. */
+function volumeOf(points, corners) {
+  let six = 0;
+  for (let i = 0; i < corners.length; i += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => points.slice(3 * corners[i + k], 3 * corners[i + k] + 3));
+    six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+  return six / 6;
+}
+
 describe("a comparison", () => {
   onPage(
     "shows pinned queries beside the live one, with their differences",
@@ -220,14 +230,97 @@ describe("export", () => {
     const { bytes } = await save(page, "Surface, lengths in l, STL");
     const count = bytes.readUInt32LE(80);
     assert.equal(bytes.length, 84 + 50 * count);
-    let six = 0;
-    for (let i = 0; i < count; i++) {
-      const at = (k) => bytes.readFloatLE(84 + 50 * i + 12 + 4 * k);
-      const [ax, ay, az, bx, by, bz, cx, cy, cz] = Array.from({ length: 9 }, (_, k) => at(k));
-      six += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
-    }
+    const facet = (i) => Array.from({ length: 9 }, (_, k) => bytes.readFloatLE(84 + 50 * i + 12 + 4 * k));
+    const points = Array.from({ length: count }, (_, i) => facet(i)).flat();
+    const found = volumeOf(points, [...Array(3 * count).keys()]);
     const { volume } = await figures(page);
-    assert.ok(Math.abs(six / 6 / volume - 1) < 2e-3, `STL ${six / 6}, core ${volume}`);
+    assert.ok(Math.abs(found / volume - 1) < 2e-3, `STL ${found}, core ${volume}`);
+  });
+
+  onPage("gives the surface to other programs", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const { volume } = await figures(page);
+    const close = (found) => assert.ok(Math.abs(found / volume - 1) < 2e-3, `volume ${found}, core ${volume}`);
+    const rows = (text, name) =>
+      text.filter((line) => line.startsWith(`${name} `)).map((line) => line.split(" ").slice(1));
+
+    const obj = (await save(page, "Surface, lengths in l, OBJ")).bytes.toString().split("\n");
+    const points = rows(obj, "v").flat().map(Number);
+    const corners = rows(obj, "f")
+      .flat()
+      .map((corner) => Number(corner.split("//")[0]) - 1);
+    close(volumeOf(points, corners));
+    assert.equal(rows(obj, "vn").length, points.length / 3);
+    assert.ok(obj.some((line) => /^# CapsuleExplorer, model [0-9a-f]{8}/.test(line)));
+
+    const vtp = (await save(page, "Surface, lengths in l, VTP")).bytes.toString();
+    const arrays = await page.evaluate((source) => {
+      const parsed = new DOMParser().parseFromString(source, "text/xml");
+      const named = [...parsed.querySelectorAll("DataArray")].map((one) => [one.getAttribute("Name"), one.textContent]);
+      return { ...Object.fromEntries(named), count: parsed.querySelector("Piece").getAttribute("NumberOfPolys") };
+    }, vtp);
+    const numbers = (name) => arrays[name].trim().split(/\s+/).map(Number);
+    close(volumeOf(numbers("Points"), numbers("connectivity")));
+    assert.equal(numbers("offsets").at(-1), 3 * Number(arrays.count));
+    // The nodes of a sphere of 0.9 l, moved by their displacements, are those of the shape.
+    const displacement = numbers("displacement");
+    const start = numbers("Points").map((x, i) => x - displacement[i]);
+    assert.ok(start.every((x) => Math.abs(x) < 0.9 * 1.01));
+  });
+
+  onPage("gives the motion as an animation", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const { bytes, name } = await save(page, "Surface, lengths in l, GLB, moving");
+    assert.match(name, /\.glb$/);
+    assert.equal(bytes.toString("latin1", 0, 4), "glTF");
+    assert.equal(bytes.readUInt32LE(8), bytes.length);
+    const length = bytes.readUInt32LE(12);
+    const scene = JSON.parse(bytes.toString("utf8", 20, 20 + length));
+    const read = (index) => {
+      const { bufferView, componentType, count, type, byteOffset = 0 } = scene.accessors[index];
+      const from = 20 + length + 8 + (scene.bufferViews[bufferView].byteOffset ?? 0) + byteOffset;
+      const whole = type === "VEC3" ? 3 * count : count;
+      const [size, get] = componentType === 5126 ? [4, "readFloatLE"] : [4, "readUInt32LE"];
+      return Array.from({ length: whole }, (_, i) => bytes[get](from + size * i));
+    };
+    const [primitive] = scene.meshes[0].primitives;
+    const [{ samplers }] = scene.animations;
+    const [times, weights] = [read(samplers[0].input), read(samplers[0].output)];
+    assert.deepEqual([times.length, times.at(-1)], [41, 20]);
+    // The frame at t = 6, which has a target of its own: the capsule's volume then, and no other target.
+    const frame = times.findIndex((t) => Math.abs(t - 6) < 1e-5);
+    const shares = weights.slice(40 * frame, 40 * (frame + 1));
+    assert.deepEqual(
+      shares.flatMap((share, target) => (share === 0 ? [] : [[target, share]])),
+      [[frame - 1, 1]],
+    );
+    const change = read(primitive.targets[frame - 1].POSITION);
+    const points = read(primitive.attributes.POSITION).map((x, i) => x + change[i]);
+    const { volume } = native(0.1, 0.9, 6);
+    assert.ok(Math.abs(volumeOf(points, read(primitive.indices)) / volume - 1) < 2e-3);
+  });
+
+  onPage("gives a report that needs nothing else", "#ca=0.1&al=0.9&t=3&pins=A:paper:0.05,0.8", async (page) => {
+    await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
+    const report = (await save(page, "All of it in one page, HTML")).bytes.toString();
+    const { digest, rows, drawings, sources } = await page.evaluate((source) => {
+      const parsed = new DOMParser().parseFromString(source, "text/html");
+      return {
+        digest: /model ([0-9a-f]{8})/.exec(parsed.querySelector("li").textContent)[1],
+        rows: [...parsed.querySelectorAll("tbody tr")].map((row) => [...row.cells].map((cell) => cell.textContent)),
+        drawings: parsed.querySelectorAll("figure svg path").length,
+        sources: [...parsed.querySelectorAll("[src], link, script")].map((part) =>
+          (part.src ?? part.href).slice(0, 15),
+        ),
+      };
+    }, report);
+    assert.equal(digest, predict(0.1, 0.9, [3], "direct").model_digest);
+    const [live, pinned] = [native(0.1, 0.9, 3), native(0.05, 0.8, 3, "paper")];
+    assert.deepEqual(rows[0], [
+      "Axial length",
+      `${live.axial_length.toFixed(4)} ℓ`,
+      `${pinned.axial_length.toFixed(4)} ℓ`,
+    ]);
+    assert.ok(drawings > 5);
+    assert.deepEqual(sources, ["data:image/png;"]);
   });
 
   onPage("gives drawings that stand alone", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {

@@ -11,7 +11,7 @@ pub struct Options {
     /// Change the functions of these crates
     #[arg(long, value_delimiter = ',', default_values = ["capsule-core", "capsule-database"])]
     package: Vec<String>,
-    /// Run one of N equal parts of the mutants, counted from 0
+    /// Run one of N equal samples of the mutants, counted from 0
     #[arg(long, value_name = "K/N", default_value = "0/1")]
     shard: String,
     /// Print the mutants and stop
@@ -22,7 +22,7 @@ pub struct Options {
 /// Tests the mutants of a shard; the results are in `target/mutants`. A crate's own tests must find its mutants.
 pub fn mutants(options: &Options) -> Result<()> {
     setup::bring(&[setup::PIP, setup::NEXTEST, Tool::Subcommand("mutants")])?;
-    let mut mutants = command("cargo mutants --test-tool nextest --no-shuffle --jobs 1 --output");
+    let mut mutants = command("cargo mutants --test-tool nextest --no-shuffle --jobs 1 --sharding round-robin --output");
     mutants.arg(target_directory()).args(["--shard", &options.shard]);
     for package in &options.package {
         mutants.args(["--package", package]);

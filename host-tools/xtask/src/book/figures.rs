@@ -2,9 +2,9 @@
 //!
 //! `0.33<!-- = FILE PLACE KEY... -->` checks the numbers before the comment in its line, one for each key: they are the
 //! stored ones, rounded. FILE is a path from the root of the repository. In a JSON file PLACE is a pointer such as
-//! `/methods/direct/0` and a key a pointer from there; in a CSV file PLACE selects rows, `[column=value][...]`, a key
-//! is a column, and the numbers are those of the first row, then of the second ... A key `-` stands for a number that
-//! is not checked. Signs are not compared.
+//! `/methods/direct/0` or `/checks[quantity=pressure]`, the first element that has these values, and a key a pointer
+//! from there; in a CSV file PLACE selects rows, `[column=value][...]`, a key is a column, and the numbers are those of
+//! the first row, then of the second ... A key `-` stands for a number that is not checked. Signs are not compared.
 //!
 //! `<!-- rows = FILE PLACE KEY... -->` above a table checks the last numbers of each of its rows in the same way, with
 //! the number of the row, from 0, for every `*`.
@@ -140,18 +140,45 @@ type Stored = Vec<(String, Option<f64>)>;
 /// Those of a JSON file.
 fn pointers(json: &str, rest: &str) -> Result<Stored> {
     let json: Value = serde_json::from_str(json)?;
-    let (place, keys) = rest.split_once(' ').ok_or_else(|| anyhow!("`{rest}` names no key"))?;
-    let place = place.trim_end_matches('/');
+    // A value that selects may contain spaces.
+    let end = rest.rfind(']').unwrap_or(0);
+    let space = rest[end..].find(' ').ok_or_else(|| anyhow!("`{rest}` names no key"))?;
+    let (place, keys) = rest.split_at(end + space);
+    let found = at(&json, place.trim_end_matches('/'))?;
     let number = |key: &str| {
-        let path = format!("{place}/{key}");
         let value = || {
-            json.pointer(&path)
+            found
+                .pointer(&format!("/{key}"))
                 .and_then(Value::as_f64)
-                .ok_or_else(|| anyhow!("no number at {path}"))
+                .ok_or_else(|| anyhow!("no number at {place}/{key}"))
         };
         Ok((key.to_owned(), if key == "-" { None } else { Some(value()?) }))
     };
     keys.split_whitespace().map(number).collect()
+}
+
+/// The value at a place: pointers, and conditions that choose an element of a list.
+fn at<'a>(json: &'a Value, place: &str) -> Result<&'a Value> {
+    let nothing = || anyhow!("nothing at {place}");
+    let (mut found, mut rest) = (json, place);
+    while !rest.is_empty() {
+        let conditions: &str;
+        let pointer = &rest[..rest.find('[').unwrap_or(rest.len())];
+        found = found.pointer(pointer).ok_or_else(nothing)?;
+        rest = &rest[pointer.len()..];
+        (conditions, rest) = rest.split_at(rest.find("]/").map_or(rest.len(), |end| end + 1));
+        if !conditions.is_empty() {
+            let conditions = conditions.trim_matches(['[', ']']).split("][");
+            let conditions: Vec<_> = conditions.filter_map(|one| one.split_once('=')).collect();
+            let is = |element: &&Value| conditions.iter().all(|(key, value)| is_value(&element[*key], value));
+            found = found.as_array().and_then(|list| list.iter().find(is)).ok_or_else(nothing)?;
+        }
+    }
+    Ok(found)
+}
+
+fn is_value(json: &Value, value: &str) -> bool {
+    json.as_str() == Some(value) || json.as_f64().is_some_and(|number| value.parse() == Ok(number))
 }
 
 /// Those of a CSV file.
@@ -343,7 +370,13 @@ mod tests {
             stored.iter().map(|(_, value)| *value).collect::<Vec<_>>(),
             [Some(1.25), None, Some(-3.0)]
         );
-        assert_eq!(pointers(json, "/a/1 b").unwrap_err().to_string(), "no number at /a/1/b");
+        assert_eq!(pointers(json, "/a/1 b").unwrap_err().to_string(), "nothing at /a/1");
+        assert_eq!(pointers(json, "/a/0 x").unwrap_err().to_string(), "no number at /a/0/x");
+        let list = r#"{"rows": [{"set": "m v", "to": 2, "e": [1, 2]}, {"set": "m v", "to": 0.5, "e": [3, 4]}]}"#;
+        let value = |place: &str| pointers(list, place).map(|stored| stored[0].1).map_err(|error| error.to_string());
+        assert_eq!(value("/rows[set=m v][to=0.5] e/1"), Ok(Some(4.0)));
+        assert_eq!(value("/rows[set=m v]/e 0"), Ok(Some(1.0)));
+        assert_eq!(value("/rows[set=m][to=2] e/0"), Err("nothing at /rows[set=m][to=2]".to_owned()));
         let csv = "x,cause,y\n1,\"mesh, fine\",0.5\n2,time,0.6\n3,\"mesh, fine\",0.7\n";
         let stored = rows(csv, "[cause=mesh, fine] x y").unwrap();
         let values: Vec<_> = stored.iter().filter_map(|(_, value)| *value).collect();

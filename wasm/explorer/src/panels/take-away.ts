@@ -2,8 +2,12 @@ import { button, html, type Root } from "../app/dom";
 import type { View } from "../app/schema";
 import { figurePng, figureSvg, type Legend, picturePng, svgText } from "../export/figure";
 import { toCsv, toJson } from "../export/numbers";
+import { toObj } from "../export/obj";
 import { footer, provenance } from "../export/provenance";
+import { type ReportFigure, toReport } from "../export/report";
 import { toStl } from "../export/stl";
+import { toVtp } from "../export/vtp";
+import type { Answer } from "../model/answer";
 import type { Context, Trace } from "../views/view";
 
 /** What the dialog takes from the explorer. */
@@ -26,6 +30,9 @@ const DRAWINGS: readonly (readonly [id: string, view: View | undefined, name: st
   ["track", undefined, "Read-out along time"],
 ];
 
+/** Frames of an animation. */
+const FRAMES = 41;
+
 /** The dialog from which figures, numbers, the surface and the session are saved as files. */
 export class TakeAway {
   readonly #root: Root;
@@ -44,10 +51,11 @@ export class TakeAway {
     const shown = this.#source.shown();
     if (shown === undefined) return;
     const [traces, context] = shown;
-    const rows = DRAWINGS.filter(([id, view]) => {
+    const drawings = DRAWINGS.filter(([id, view]) => {
       const isMap = id !== "map" || context.capsule.has("channel");
       return isMap && (view === undefined || context.shows(view));
-    }).map(([id, , name]) => this.#row(name, this.#figureButtons(id, name, traces, context)));
+    });
+    const rows = drawings.map(([id, , name]) => this.#row(name, this.#figureButtons(id, name, traces, context)));
     const picture = context.shows("solid") ? this.#source.picture() : undefined;
     if (picture !== undefined) {
       const save = async () => {
@@ -63,19 +71,28 @@ export class TakeAway {
       rows.push(this.#row("Capsule in the channel", [button("PNG", save)]));
     }
     const link = this.#source.link();
+    const report = () => {
+      const figures: ReportFigure[] = drawings.map(([id, , name]) => {
+        return { name, drawing: this.#figure(id, name, traces, context) };
+      });
+      const canvas = picture === undefined ? undefined : this.#source.picture();
+      if (canvas !== undefined) {
+        const name = "Capsule in the channel";
+        figures.unshift({ name, drawing: html("img", { src: canvas.toDataURL(), alt: name }) });
+      }
+      return toReport(traces, context, figures, provenance(traces, context, link));
+    };
+    rows.unshift(this.#row("All of it in one page", [button("HTML", () => this.#save("report", "html", report()))]));
     rows.push(
       this.#row("Read-outs, now and along time", [
         button("CSV", () => this.#save("readouts", "csv", toCsv(traces, context, provenance(traces, context, link)))),
         button("JSON", () => this.#save("readouts", "json", toJson(traces, context, link))),
       ]),
     );
-    const live = traces[0]?.answer;
-    if (live !== undefined) {
-      const triangles = context.capsule.model.triangles();
-      const { factor } = context.units.drawn;
-      const positions = () => live.surface().map((x) => x * factor);
-      const stl = () => this.#save("surface", "stl", toStl(positions(), triangles, footer(traces, context)));
-      rows.push(this.#row(`Surface, lengths in ${context.units.drawn.plain}`, [button("STL", stl)]));
+    const [live] = traces;
+    if (live?.answer !== undefined) {
+      const buttons = this.#surfaceButtons(live, live.answer, context, provenance(traces, context, link));
+      rows.push(this.#row(`Surface, lengths in ${context.units.drawn.plain}`, buttons));
     }
     rows.push(
       this.#row("Session, to open again", [
@@ -87,10 +104,49 @@ export class TakeAway {
   }
 
   #figureButtons(id: string, name: string, traces: readonly Trace[], context: Context): HTMLButtonElement[] {
-    const figure = () => figureSvg(this.#root.part(id, HTMLElement), this.#legend(name, traces, context));
+    const figure = () => this.#figure(id, name, traces, context);
     return [
       button("SVG", () => this.#save(id, "svg", svgText(figure()))),
       button("PNG", async () => this.#save(id, "png", await figurePng(figure()))),
+    ];
+  }
+
+  #figure(id: string, name: string, traces: readonly Trace[], context: Context): SVGSVGElement {
+    return figureSvg(this.#root.part(id, HTMLElement), this.#legend(name, traces, context));
+  }
+
+  /** The live surface relative to its centroid: as it is, and as it moves. */
+  #surfaceButtons(live: Trace, answer: Answer, context: Context, words: readonly string[]): HTMLButtonElement[] {
+    const { capsule, units } = context;
+    const triangles = capsule.model.triangles();
+    const scaled = (of: Answer) => of.surface().map((x) => x * units.drawn.factor);
+    const stl = () => toStl(scaled(answer), triangles, footer([live], context));
+    const obj = () => toObj(scaled(answer), answer.normals(), triangles, words);
+    const vtp = () => {
+      const positions = scaled(answer);
+      const start = live.start();
+      const from = start === undefined ? positions : scaled(start);
+      const displacement = positions.map((x, i) => x - (from[i] ?? 0));
+      const data = [
+        { name: "normal", values: answer.normals(), components: 3 },
+        { name: "displacement", values: displacement, components: 3 },
+      ] as const;
+      return toVtp(positions, triangles, data, words);
+    };
+    const glb = async () => {
+      const { toGlb } = await import("../export/glb");
+      const instants = Array.from({ length: FRAMES }, (_, i) => (capsule.model.endTime * i) / (FRAMES - 1));
+      const frames = instants.flatMap((t) => {
+        const at = capsule.answer("export", live.query, t);
+        return at.validity.kind === "refused" ? [] : [{ t, positions: scaled(at), normals: at.normals() }];
+      });
+      this.#save("motion", "glb", await toGlb(frames, triangles, words));
+    };
+    return [
+      button("STL", () => this.#save("surface", "stl", stl())),
+      button("OBJ", () => this.#save("surface", "obj", obj())),
+      button("VTP", () => this.#save("surface", "vtp", vtp())),
+      button("GLB, moving", glb),
     ];
   }
 
