@@ -11,7 +11,8 @@
 //! rotations, are free.
 
 use crate::harmonics::{Grid, Harmonics, Tangents};
-use crate::surface::{Patch, metric, norm};
+use crate::surface::Patch;
+use crate::vectors::{metric, norm};
 use crate::{EvaluationError, FomError, Mesh, Symmetry};
 use faer::linalg::solvers::SolveCore;
 use faer::{Mat, Side};

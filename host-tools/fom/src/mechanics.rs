@@ -131,7 +131,7 @@ impl<'a> Mechanics<'a> {
 mod tests {
     use super::*;
     use crate::MembraneDiscretisation;
-    use crate::surface::norm;
+    use crate::vectors::norm;
     use nalgebra::Vector3;
 
     fn discretisation(frequency: usize, harmonics: bool) -> Discretisation {

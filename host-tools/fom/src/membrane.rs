@@ -7,7 +7,8 @@
 use nalgebra::Vector3;
 
 use crate::shape_functions::nodes_of;
-use crate::surface::{Patch, metric};
+use crate::surface::Patch;
+use crate::vectors::metric;
 use crate::{EvaluationError, Mesh};
 
 /// The stress-free sphere seen by the elements of a patch.

@@ -91,7 +91,7 @@ fn on_sphere(key: [i32; 3], m: i32) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::norm;
+    use crate::vectors::norm;
     use nalgebra::Vector3;
 
     #[test]

@@ -4,7 +4,7 @@
 
 use nalgebra::Vector3;
 
-use crate::surface::norm;
+use crate::vectors::norm;
 
 /// A quadrature point with everything that the element integrals need there.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +49,7 @@ impl Point {
         self.gradient.map(|derivative| combine(&derivative, nodes))
     }
 
-    /// Their cross product, the normal.
+    /// The cross product of the two tangents: a normal.
     pub fn normal(&self, nodes: &[Vector3<f64>; 6]) -> Vector3<f64> {
         let [t1, t2] = self.tangents(nodes);
         t1.cross(&t2)

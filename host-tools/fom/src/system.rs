@@ -10,7 +10,8 @@ use crate::flow::{Flow, Membrane as FluidMembrane};
 use crate::harmonic_membrane::{HarmonicMembrane, HarmonicState};
 use crate::mass_matrix::MassMatrix;
 use crate::membrane::Membrane;
-use crate::surface::{Geometry, Patch, greatest_magnitude};
+use crate::surface::{Geometry, Patch};
+use crate::vectors::greatest_magnitude;
 use crate::{EvaluationError, FomError, MembraneDiscretisation, Mesh, Symmetry, initial};
 
 /// Mesh, symmetry and membrane operators, shared by all capsules on one mesh.

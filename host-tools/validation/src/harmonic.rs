@@ -36,7 +36,7 @@ impl Harmonic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use capsule_fom::surface::norm;
+    use capsule_fom::vectors::norm;
 
     #[test]
     fn values_and_gradients_of_degree_three() {

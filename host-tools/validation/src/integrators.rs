@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use capsule_fom::flow::Duct;
 use capsule_fom::integrator::{FixedStep, Rkc2, Scheme, State, StepError, Stepper};
-use capsule_fom::surface::{greatest_magnitude, norm};
 use capsule_fom::system::{Capsule, Discretisation};
+use capsule_fom::vectors::{greatest_magnitude, norm};
 use capsule_fom::{Configuration, EvaluationError, FomError, Integrator, Settings};
 use nalgebra::Vector3;
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! The single layer of the unit sphere: vector spherical harmonics are its eigenfields.
 
 use capsule_fom::flow::{Background, Flow, FreeSpace, Membrane};
-use capsule_fom::surface::{greatest_magnitude, norm};
+use capsule_fom::vectors::{greatest_magnitude, norm};
 use capsule_fom::{FomError, Mesh};
 use nalgebra::Vector3;
 

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use super::near::Ball;
 use super::quadrature::gauss_legendre;
 use super::stokeslet::stokeslet;
-use crate::surface::norm;
+use crate::vectors::norm;
 
 /// The points `centre + s u + t v` with `s, t` in [-1, 1]; `u` and `v` are orthogonal.
 #[derive(Debug, Clone, Copy, PartialEq)]
