@@ -11,10 +11,12 @@
 //! rotations, are free.
 
 use crate::harmonics::{Grid, Harmonics, Tangents};
-use crate::surface::{Patch, cross, dot};
+use crate::surface::Patch;
+use crate::vectors::{metric, norm};
 use crate::{EvaluationError, FomError, Mesh, Symmetry};
 use faer::linalg::solvers::SolveCore;
 use faer::{Mat, Side};
+use nalgebra::Vector3;
 
 /// The membrane of the unit sphere, in harmonics.
 #[derive(Debug, Clone)]
@@ -82,13 +84,11 @@ impl HarmonicMembrane {
             .ok_or(FomError::Degree { degree })?;
         let mut areas = vec![[0.0; 3]; points.len()];
         patch.assemble(&mesh.nodes, &mut areas, |_, x| {
-            let mut sum = [[0.0; 3]; 6];
+            let mut sum = [Vector3::zeros(); 6];
             for point in patch.points() {
-                let [t1, t2] = point.tangents(x);
-                let normal = cross(t1, t2);
-                let area = point.weight * dot(normal, normal).sqrt();
+                let area = point.weight * point.area(x);
                 for i in 0..6 {
-                    sum[i][0] += area * point.value[i];
+                    sum[i].x += area * point.value[i];
                 }
             }
             sum
@@ -136,9 +136,9 @@ impl HarmonicMembrane {
         state.normals.clear();
         let [along_theta, along_phi] = &state.nodal;
         for (i, (t1, t2)) in along_theta.iter().zip(along_phi).enumerate() {
-            let normal = cross(*t1, *t2);
-            let area = dot(normal, normal).sqrt();
-            state.normals.push(normal.map(|c| c / area));
+            let normal = Vector3::from(*t1).cross(&Vector3::from(*t2));
+            let area = norm(normal);
+            state.normals.push((normal / area).into());
             force[i] = traction[i].map(|c| c * self.areas[i]);
             traction[i] = traction[i].map(|c| c / area);
         }
@@ -153,10 +153,9 @@ impl HarmonicMembrane {
         let mut least = f64::INFINITY;
         let [[x1, y1, z1], [x2, y2, z2]] = tangents;
         for point in 0..self.grid.len() {
-            let t1 = [x1[point], y1[point], z1[point]];
-            let t2 = [x2[point], y2[point], z2[point]];
-            let (m11, m22, m12) = (dot(t1, t1), dot(t2, t2), dot(t1, t2));
-            let determinant = m11 * m22 - m12 * m12;
+            let t1 = Vector3::new(x1[point], y1[point], z1[point]);
+            let t2 = Vector3::new(x2[point], y2[point], z2[point]);
+            let ([m11, m22, m12], determinant) = metric([t1, t2]);
             // J_s², the metric of the stress-free state being radius² times the identity.
             let ratio = determinant / radius.powi(4);
             least = if ratio >= least { least } else { ratio };

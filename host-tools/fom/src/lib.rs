@@ -22,6 +22,7 @@ mod simulation;
 pub mod surface;
 pub mod symmetry;
 pub mod system;
+pub mod vectors;
 
 pub use mesh::Mesh;
 pub use outcome::{Film, History, Outcome, Status};

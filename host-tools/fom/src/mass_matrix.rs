@@ -1,7 +1,9 @@
 //! The consistent mass matrix `M_ij = int phi_i phi_j dS` of the current surface, and the nodal load `q = M^-1 r`
 //! (Walter, Salsac, Barthès-Biesel, Le Tallec, Int. J. Numer. Methods Eng. 83, 2010).
 
-use crate::surface::{Patch, cross, dot};
+use nalgebra::Vector3;
+
+use crate::surface::Patch;
 use crate::{EvaluationError, Symmetry};
 
 /// Work space of the solution, by conjugate gradients on the sector.
@@ -93,9 +95,7 @@ impl MassMatrix {
         patch.assemble(nodes, &mut self.inverse_diagonal, |element, x| {
             let mut matrix = [[0.0; 6]; 6];
             for point in patch.points() {
-                let [t1, t2] = point.tangents(x);
-                let normal = cross(t1, t2);
-                let area = point.weight * dot(normal, normal).sqrt();
+                let area = point.weight * point.area(x);
                 for i in 0..6 {
                     let scaled = area * point.value[i];
                     for j in 0..6 {
@@ -104,7 +104,7 @@ impl MassMatrix {
                 }
             }
             local[element] = matrix;
-            [0, 1, 2, 3, 4, 5].map(|i| [matrix[i][i]; 3])
+            [0, 1, 2, 3, 4, 5].map(|i| Vector3::repeat(matrix[i][i]))
         });
         for d in &mut self.inverse_diagonal {
             *d = d.map(f64::recip);
@@ -116,13 +116,10 @@ impl MassMatrix {
         symmetry.expand(&self.direction, &mut self.full);
         let local = &self.local;
         patch.assemble(&self.full, &mut self.product, |element, x| {
-            let matrix = &local[element];
-            let mut sum = [[0.0; 3]; 6];
-            for i in 0..6 {
-                for j in 0..6 {
-                    for c in 0..3 {
-                        sum[i][c] += matrix[i][j] * x[j][c];
-                    }
+            let mut sum = [Vector3::zeros(); 6];
+            for (sum, row) in sum.iter_mut().zip(&local[element]) {
+                for (entry, x) in row.iter().zip(x) {
+                    *sum += *entry * x;
                 }
             }
             sum

@@ -10,7 +10,8 @@ use capsule_core::mechanics::{Deformation, Stencil};
 
 use crate::harmonic_membrane::HarmonicState;
 use crate::membrane::Membrane;
-use crate::surface::{Moments, Patch, cross, dot};
+use crate::shape_functions::nodes_of;
+use crate::surface::{Moments, Patch};
 use crate::system::{Discretisation, MembraneModel};
 use crate::{EvaluationError, Symmetry};
 
@@ -113,11 +114,9 @@ impl<'a> Mechanics<'a> {
     pub fn totals(&self, positions: &[[f64; 3]], radius: f64) -> Totals {
         let mut area = 0.0;
         for element in &self.patch.elements {
-            let nodes = element.map(|node| positions[node as usize]);
+            let nodes = nodes_of(element, positions);
             for point in self.patch.points() {
-                let [t1, t2] = point.tangents(&nodes);
-                let normal = cross(t1, t2);
-                area += point.weight * dot(normal, normal).sqrt();
+                area += point.weight * point.area(&nodes);
             }
         }
         Totals {
@@ -132,6 +131,8 @@ impl<'a> Mechanics<'a> {
 mod tests {
     use super::*;
     use crate::MembraneDiscretisation;
+    use crate::vectors::norm;
+    use nalgebra::Vector3;
 
     fn discretisation(frequency: usize, harmonics: bool) -> Discretisation {
         let membrane = if harmonics {
@@ -163,12 +164,11 @@ mod tests {
                 let mechanics = Mechanics::new(&discretisation).unwrap();
                 mechanics.load(&positions, 0.9, 0.1).unwrap()
             });
-            let norm = |v: [f64; 3]| dot(v, v).sqrt();
             let error = exact
                 .iter()
                 .zip(&found)
-                .map(|(a, b)| norm([0, 1, 2].map(|d| a[d] - b[d])));
-            error.fold(0.0, f64::max) / exact.iter().map(|&v| norm(v)).fold(0.0, f64::max)
+                .map(|(a, b)| norm(Vector3::from(*a) - Vector3::from(*b)));
+            error.fold(0.0, f64::max) / exact.iter().map(|&v| norm(v.into())).fold(0.0, f64::max)
         });
         assert!(errors[1] < 3e-4 && errors[0] > 5.0 * errors[1], "{errors:?}");
     }

@@ -4,7 +4,11 @@
 //! law (paper, eq. 9), `S^ab = G_s (A^ab - J_s^-2 a^ab)`, the right-hand side gives the load vector
 //! `r_i = int S^ab x_,a phi_i,b dA_ref`, which is the gradient of the energy with respect to the node's position.
 
-use crate::surface::{Patch, cross, dot};
+use nalgebra::Vector3;
+
+use crate::shape_functions::nodes_of;
+use crate::surface::Patch;
+use crate::vectors::metric;
 use crate::{EvaluationError, Mesh};
 
 /// The stress-free sphere seen by the elements of a patch.
@@ -35,11 +39,9 @@ impl Membrane {
             .elements
             .iter()
             .map(|element| {
-                let nodes = element.map(|node| mesh.nodes[node as usize]);
+                let nodes = nodes_of(element, &mesh.nodes);
                 patch.points().map(|point| {
-                    let [t1, t2] = point.tangents(&nodes);
-                    let (m11, m22, m12) = (dot(t1, t1), dot(t2, t2), dot(t1, t2));
-                    let determinant = m11 * m22 - m12 * m12;
+                    let ([m11, m22, m12], determinant) = metric(point.tangents(&nodes));
                     ReferencePoint {
                         contravariant: [m22 / determinant, m11 / determinant, -m12 / determinant],
                         determinant,
@@ -67,11 +69,10 @@ impl Membrane {
     ) -> Result<(), EvaluationError> {
         let mut collapsed = None;
         patch.assemble(nodes, load, |element, x| {
-            let mut sum = [[0.0; 3]; 6];
+            let mut sum = [Vector3::zeros(); 6];
             for (point, reference) in patch.points().iter().zip(&self.reference[element]) {
                 let [t1, t2] = point.tangents(x);
-                let (m11, m22, m12) = (dot(t1, t1), dot(t2, t2), dot(t1, t2));
-                let determinant = m11 * m22 - m12 * m12;
+                let ([m11, m22, m12], determinant) = metric([t1, t2]);
                 // The squared area ratio J_s^2; the reference lengths scale with the radius.
                 let ratio = determinant / (reference.determinant * radius.powi(4));
                 if !(ratio > MIN_AREA_RATIO * MIN_AREA_RATIO && ratio.is_finite()) {
@@ -83,15 +84,9 @@ impl Membrane {
                 let s11 = reference.area * (a11 - pull * m22);
                 let s22 = reference.area * (a22 - pull * m11);
                 let s12 = reference.area * (a12 + pull * m12);
-                let mut flux = [[0.0; 3]; 2];
-                for d in 0..3 {
-                    flux[0][d] = s11 * t1[d] + s12 * t2[d];
-                    flux[1][d] = s12 * t1[d] + s22 * t2[d];
-                }
+                let [flux1, flux2] = [s11 * t1 + s12 * t2, s12 * t1 + s22 * t2];
                 for i in 0..6 {
-                    for d in 0..3 {
-                        sum[i][d] += flux[0][d] * point.gradient[0][i] + flux[1][d] * point.gradient[1][i];
-                    }
+                    sum[i] += flux1 * point.gradient[0][i] + flux2 * point.gradient[1][i];
                 }
             }
             sum
@@ -111,13 +106,14 @@ impl Membrane {
     pub fn energy(&self, patch: &Patch, nodes: &[[f64; 3]], radius: f64) -> f64 {
         let mut energy = 0.0;
         for (element, reference) in patch.elements.iter().zip(&self.reference) {
-            let x = element.map(|node| nodes[node as usize]);
+            let x = nodes_of(element, nodes);
             for (point, reference) in patch.points().iter().zip(reference) {
                 let [t1, t2] = point.tangents(&x);
-                let normal = cross(t1, t2);
+                let ([m11, m22, m12], _) = metric([t1, t2]);
                 let [a11, a22, a12] = reference.contravariant;
-                let trace = (a11 * dot(t1, t1) + a22 * dot(t2, t2) + 2.0 * a12 * dot(t1, t2)) / radius.powi(2);
-                let ratio = dot(normal, normal) / (reference.determinant * radius.powi(4));
+                let trace = (a11 * m11 + a22 * m22 + 2.0 * a12 * m12) / radius.powi(2);
+                let normal = t1.cross(&t2);
+                let ratio = normal.dot(&normal) / (reference.determinant * radius.powi(4));
                 energy += 0.5 * reference.area * radius.powi(2) * (trace + 1.0 / ratio - 3.0);
             }
         }
@@ -221,7 +217,11 @@ mod tests {
     fn inflation_pressure(f: &Fixture, stretch: f64) -> f64 {
         let nodes: Vec<_> = f.mesh.nodes.iter().map(|p| p.map(|c| stretch * c)).collect();
         let load = f.load(&nodes, 1.0);
-        let work: f64 = load.iter().zip(&nodes).map(|(r, x)| dot(*r, *x)).sum();
+        let work: f64 = load
+            .iter()
+            .zip(&nodes)
+            .map(|(r, x)| Vector3::from(*r).dot(&Vector3::from(*x)))
+            .sum();
         work / (3.0 * crate::surface::Moments::of(&f.mesh.elements, &nodes).volume)
     }
 
@@ -261,7 +261,7 @@ mod tests {
             let normal = traction
                 .iter()
                 .zip(&f.mesh.nodes)
-                .map(|(q, n)| (dot(*q, *n) / exact - 1.0).powi(2))
+                .map(|(q, n)| (Vector3::from(*q).dot(&Vector3::from(*n)) / exact - 1.0).powi(2))
                 .sum::<f64>();
             (normal / traction.len() as f64).sqrt()
         });

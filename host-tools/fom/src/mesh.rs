@@ -91,7 +91,8 @@ fn on_sphere(key: [i32; 3], m: i32) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{cross, dot};
+    use crate::vectors::norm;
+    use nalgebra::Vector3;
 
     #[test]
     fn counts_and_euler_characteristic() {
@@ -116,12 +117,10 @@ mod tests {
             let mesh = Mesh::octahedral(n).unwrap();
             let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
             for e in &mesh.elements {
-                let [a, b, c] = [0, 1, 2].map(|k| mesh.nodes[e[k] as usize]);
-                let centre = [0, 1, 2].map(|d| (a[d] + b[d] + c[d]) / 3.0);
-                let [u, v] = [b, c].map(|p| [0, 1, 2].map(|d| p[d] - a[d]));
-                assert!(dot(cross(u, v), centre) > 0.0);
-                let distance = |p: [f64; 3]| (0..3).map(|d| (p[d] - centre[d]).powi(2)).sum::<f64>().sqrt();
-                let radius = distance(a).max(distance(b)).max(distance(c));
+                let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(mesh.nodes[e[k] as usize]));
+                let centre = (a + b + c) / 3.0;
+                assert!((b - a).cross(&(c - a)).dot(&centre) > 0.0);
+                let radius = [a, b, c].map(|p| norm(p - centre)).into_iter().fold(0.0, f64::max);
                 (least, greatest) = (least.min(radius), greatest.max(radius));
             }
             assert!(greatest / least < 1.25, "{}", greatest / least);

@@ -2,6 +2,10 @@
 //!
 //! The reference triangle has corners (0, 0), (1, 0), (0, 1); node order as in [`crate::Mesh`].
 
+use nalgebra::Vector3;
+
+use crate::vectors::norm;
+
 /// A quadrature point with everything that the element integrals need there.
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
@@ -14,18 +18,11 @@ pub struct Point {
 }
 
 impl Point {
-    fn at(xi: f64, eta: f64, weight: f64) -> Self {
+    pub(crate) fn at(xi: f64, eta: f64, weight: f64) -> Self {
         let zeta = 1.0 - xi - eta;
         Self {
             weight,
-            value: [
-                zeta * (2.0 * zeta - 1.0),
-                xi * (2.0 * xi - 1.0),
-                eta * (2.0 * eta - 1.0),
-                4.0 * zeta * xi,
-                4.0 * xi * eta,
-                4.0 * eta * zeta,
-            ],
+            value: values([xi, eta]),
             gradient: [
                 [
                     1.0 - 4.0 * zeta,
@@ -48,12 +45,23 @@ impl Point {
     }
 
     /// The two tangents `x_,1` and `x_,2` of the element with these nodes.
-    pub fn tangents(&self, nodes: &[[f64; 3]; 6]) -> [[f64; 3]; 2] {
+    pub fn tangents(&self, nodes: &[Vector3<f64>; 6]) -> [Vector3<f64>; 2] {
         self.gradient.map(|derivative| combine(&derivative, nodes))
     }
 
-    /// The position in the element with these nodes.
-    pub fn position(&self, nodes: &[[f64; 3]; 6]) -> [f64; 3] {
+    /// The cross product of the two tangents: a normal.
+    pub fn normal(&self, nodes: &[Vector3<f64>; 6]) -> Vector3<f64> {
+        let [t1, t2] = self.tangents(nodes);
+        t1.cross(&t2)
+    }
+
+    /// The area per area of the reference triangle.
+    pub fn area(&self, nodes: &[Vector3<f64>; 6]) -> f64 {
+        norm(self.normal(nodes))
+    }
+
+    /// The position in the element with these nodes, or the value of another field with these nodal values.
+    pub fn interpolate(&self, nodes: &[Vector3<f64>; 6]) -> Vector3<f64> {
         combine(&self.value, nodes)
     }
 
@@ -63,14 +71,26 @@ impl Point {
     }
 }
 
-fn combine(coefficients: &[f64; 6], nodes: &[[f64; 3]; 6]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for (c, node) in coefficients.iter().zip(nodes) {
-        for d in 0..3 {
-            sum[d] += c * node[d];
-        }
-    }
-    sum
+/// The shape functions at a point of the reference triangle.
+pub fn values([xi, eta]: [f64; 2]) -> [f64; 6] {
+    let zeta = 1.0 - xi - eta;
+    [
+        zeta * (2.0 * zeta - 1.0),
+        xi * (2.0 * xi - 1.0),
+        eta * (2.0 * eta - 1.0),
+        4.0 * zeta * xi,
+        4.0 * xi * eta,
+        4.0 * eta * zeta,
+    ]
+}
+
+/// The values of a field, such as the position, at the nodes of an element.
+pub fn nodes_of(element: &[u32; 6], field: &[[f64; 3]]) -> [Vector3<f64>; 6] {
+    element.map(|node| field[node as usize].into())
+}
+
+fn combine(coefficients: &[f64; 6], nodes: &[Vector3<f64>; 6]) -> Vector3<f64> {
+    coefficients.iter().zip(nodes).map(|(c, node)| *c * node).sum()
 }
 
 /// The 12-point rule of degree 6 (Dunavant, Int. J. Numer. Methods Eng. 21, 1985): exact for volume and first moment

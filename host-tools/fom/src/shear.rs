@@ -107,7 +107,7 @@ pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome,
 ///
 /// A circle has no inclination; it gets that of the flow's extension, 45 degrees, the limit at short times.
 fn ellipse(moments: &Moments) -> (f64, f64) {
-    let [[xx, xy, _], [_, yy, _], _] = moments.second;
+    let [xx, yy, xy] = [(0, 0), (1, 1), (0, 1)].map(|index| moments.second[index]);
     let (mean, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = half_difference.hypot(xy);
     if radius < 1e-12 * mean {

@@ -2,7 +2,10 @@
 //!
 //! All are assembled at the sector's nodes alone, from the elements that touch the sector.
 
-use crate::shape_functions::{Point, quadrature};
+use nalgebra::{Matrix3, Vector3};
+
+use crate::shape_functions::{Point, nodes_of, quadrature};
+use crate::vectors::norm;
 use crate::{Mesh, Symmetry};
 
 /// The elements that touch the sector, and where their nodal values go.
@@ -67,17 +70,15 @@ impl Patch {
         &self,
         nodes: &[[f64; 3]],
         out: &mut [[f64; 3]],
-        mut local: impl FnMut(usize, &[[f64; 3]; 6]) -> [[f64; 3]; 6],
+        mut local: impl FnMut(usize, &[Vector3<f64>; 6]) -> [Vector3<f64>; 6],
     ) {
         out.fill([0.0; 3]);
         for (index, (element, rows)) in self.elements.iter().zip(&self.rows).enumerate() {
-            let contribution = local(index, &element.map(|node| nodes[node as usize]));
+            let contribution = local(index, &nodes_of(element, nodes));
             for (row, vector) in rows.iter().zip(contribution) {
                 // `OUTSIDE` is no index of the sector.
                 if let Some(sum) = out.get_mut(*row as usize) {
-                    for d in 0..3 {
-                        sum[d] += vector[d];
-                    }
+                    *sum = (Vector3::from(*sum) + vector).into();
                 }
             }
         }
@@ -89,7 +90,7 @@ impl Patch {
             .iter()
             .zip(a)
             .zip(b)
-            .map(|((m, a), b)| m * dot(*a, *b))
+            .map(|((m, a), b)| m * Vector3::from(*a).dot(&Vector3::from(*b)))
             .sum()
     }
 
@@ -104,14 +105,11 @@ impl Patch {
             self.integrate(x, |position| position[0])
         });
         self.assemble(nodes, &mut geometry.normals, |_, x| {
-            self.nodal_points.map(|point| {
-                let [t1, t2] = point.tangents(x);
-                cross(t1, t2)
-            })
+            self.nodal_points.map(|point| point.normal(x))
         });
         for normal in &mut geometry.normals {
-            let length = dot(*normal, *normal).sqrt();
-            *normal = normal.map(|c| c / length);
+            let vector = Vector3::from(*normal);
+            *normal = (vector / norm(vector)).into();
         }
         // The volume is homogeneous of degree three in the positions (Euler).
         geometry.volume = self
@@ -119,21 +117,17 @@ impl Patch {
             .iter()
             .zip(sector)
             .zip(&geometry.volume_gradient)
-            .map(|((m, &node), gradient)| m * dot(nodes[node as usize], *gradient) / 3.0)
+            .map(|((m, &node), gradient)| m * Vector3::from(nodes[node as usize]).dot(&Vector3::from(*gradient)) / 3.0)
             .sum();
     }
 
     /// `int weight(x) phi_i n dS` over one element, for its six nodes.
-    fn integrate(&self, nodes: &[[f64; 3]; 6], weight: impl Fn([f64; 3]) -> f64) -> [[f64; 3]; 6] {
-        let mut sum = [[0.0; 3]; 6];
+    fn integrate(&self, nodes: &[Vector3<f64>; 6], weight: impl Fn(Vector3<f64>) -> f64) -> [Vector3<f64>; 6] {
+        let mut sum = [Vector3::zeros(); 6];
         for point in &self.points {
-            let [t1, t2] = point.tangents(nodes);
-            let scale = point.weight * weight(point.position(nodes));
-            let normal = cross(t1, t2).map(|c| scale * c);
-            for i in 0..6 {
-                for d in 0..3 {
-                    sum[i][d] += point.value[i] * normal[d];
-                }
+            let normal = point.weight * weight(point.interpolate(nodes)) * point.normal(nodes);
+            for (sum, value) in sum.iter_mut().zip(point.value) {
+                *sum += value * normal;
             }
         }
         sum
@@ -146,69 +140,34 @@ pub struct Moments {
     /// Enclosed volume, exact for six-node elements.
     pub volume: f64,
     /// Volume centroid, exact for six-node elements.
-    pub centroid: [f64; 3],
+    pub centroid: Vector3<f64>,
     /// `int x_i x_j dV / volume` about the centroid.
-    pub second: [[f64; 3]; 3],
+    pub second: Matrix3<f64>,
 }
 
 impl Moments {
     /// By the divergence theorem over the surface.
     pub fn of(elements: &[[u32; 6]], nodes: &[[f64; 3]]) -> Self {
         let points = quadrature();
-        let (mut volume, mut first, mut second) = (0.0, [0.0; 3], [[0.0; 3]; 3]);
+        let (mut volume, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for element in elements {
-            let corners = element.map(|node| nodes[node as usize]);
+            let nodes = nodes_of(element, nodes);
             for point in &points {
-                let [t1, t2] = point.tangents(&corners);
-                let x = point.position(&corners);
+                let x = point.interpolate(&nodes);
                 // div x = 3, div (x_i x) = 4 x_i, div (x_i x_j x) = 5 x_i x_j.
-                let flux = point.weight * dot(x, cross(t1, t2));
+                let flux = point.weight * x.dot(&point.normal(&nodes));
                 volume += flux / 3.0;
-                for i in 0..3 {
-                    first[i] += flux * x[i] / 4.0;
-                    for j in 0..3 {
-                        second[i][j] += flux * x[i] * x[j] / 5.0;
-                    }
-                }
+                first += flux * x / 4.0;
+                second += flux * x * x.transpose() / 5.0;
             }
         }
-        let centroid = first.map(|m| m / volume);
-        for i in 0..3 {
-            for j in 0..3 {
-                second[i][j] = second[i][j] / volume - centroid[i] * centroid[j];
-            }
-        }
+        let centroid = first / volume;
         Self {
             volume,
             centroid,
-            second,
+            second: second / volume - centroid * centroid.transpose(),
         }
     }
-}
-
-/// The greatest absolute value, or NaN if there is one (which `f64::max` would lose).
-pub(crate) fn greatest_magnitude(values: impl Iterator<Item = f64>) -> f64 {
-    values.map(f64::abs).fold(0.0, |greatest, value| {
-        if greatest >= value || greatest.is_nan() {
-            greatest
-        } else {
-            value
-        }
-    })
-}
-
-/// Scalar product.
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Vector product.
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 #[cfg(test)]
@@ -247,7 +206,7 @@ mod tests {
                 assert!((c - e).abs() < 1e-12);
             }
             for (d, semi_axis) in [2.0, 0.7, 0.5_f64].into_iter().enumerate() {
-                assert!((moments.second[d][d] / (semi_axis * semi_axis / 5.0) - 1.0).abs() < 0.1 / (n * n) as f64);
+                assert!((moments.second[(d, d)] / (semi_axis * semi_axis / 5.0) - 1.0).abs() < 0.1 / (n * n) as f64);
             }
             errors.push((moments.volume / exact - 1.0).abs());
         }
@@ -322,19 +281,13 @@ mod tests {
     }
 
     #[test]
-    fn the_greatest_magnitude_keeps_nan() {
-        assert_eq!(greatest_magnitude([1.0, -3.0, 2.0].into_iter()), 3.0);
-        assert!(greatest_magnitude([1.0, f64::NAN, 2.0].into_iter()).is_nan());
-    }
-
-    #[test]
     fn normals_of_the_sphere_are_radial() {
         let mesh = Mesh::octahedral(8).unwrap();
         let symmetry = Symmetry::unreduced(&mesh);
         let mut geometry = Geometry::default();
         Patch::new(&mesh, &symmetry).geometry(&mesh.nodes, &symmetry.sector, &mut geometry);
         for (normal, point) in geometry.normals.iter().zip(&mesh.nodes) {
-            assert!(dot(*normal, *point) > 0.9999);
+            assert!(Vector3::from(*normal).dot(&Vector3::from(*point)) > 0.9999);
         }
     }
 }

@@ -4,11 +4,14 @@
 //! axial position `X_c`. With the fluid's velocity `v` at the nodes, `dX_c/dt = U = (1/V) int x v . n dS` and
 //! `dx/dt = v - U e_x`.
 
+use nalgebra::Vector3;
+
 use crate::flow::{Flow, Membrane as FluidMembrane};
 use crate::harmonic_membrane::{HarmonicMembrane, HarmonicState};
 use crate::mass_matrix::MassMatrix;
 use crate::membrane::Membrane;
-use crate::surface::{Geometry, Patch, dot, greatest_magnitude};
+use crate::surface::{Geometry, Patch};
+use crate::vectors::greatest_magnitude;
 use crate::{EvaluationError, FomError, MembraneDiscretisation, Mesh, Symmetry, initial};
 
 /// Mesh, symmetry and membrane operators, shared by all capsules on one mesh.
@@ -185,9 +188,7 @@ impl<'a> Capsule<'a> {
         }
         let inflow = patch.dot(velocity, volume_gradient) / patch.dot(normals, volume_gradient);
         for (v, n) in velocity.iter_mut().zip(normals) {
-            for d in 0..3 {
-                v[d] -= inflow * n[d];
-            }
+            *v = (Vector3::from(*v) - inflow * Vector3::from(*n)).into();
         }
         let centroid_velocity = patch.dot(velocity, moment_gradient) / volume;
         for v in velocity.iter_mut() {
@@ -230,7 +231,7 @@ impl<'a> Capsule<'a> {
         velocity
             .iter()
             .zip(&self.geometry.normals)
-            .map(|(v, n)| dot(*v, *n).abs())
+            .map(|(v, n)| Vector3::from(*v).dot(&Vector3::from(*n)).abs())
             .fold(0.0, f64::max)
     }
 
@@ -311,7 +312,9 @@ mod tests {
             nodes.iter().map(tangential).collect(),
             nodes.iter().map(radial).collect(),
         ];
-        let product = |a: &[[f64; 3]], b: &[[f64; 3]]| a.iter().zip(b).map(|(a, b)| dot(*a, *b)).sum::<f64>();
+        let product = |a: &[[f64; 3]], b: &[[f64; 3]]| -> f64 {
+            a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum()
+        };
         let step = 1e-4;
         let mut response = [[0.0; 2]; 2];
         for (column, field) in basis.iter().enumerate() {

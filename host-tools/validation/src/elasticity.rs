@@ -7,8 +7,8 @@ use capsule_fom::membrane::Membrane;
 use capsule_fom::surface::{Moments, Patch};
 use capsule_fom::system::{Capsule, Discretisation};
 use capsule_fom::{Mesh, Symmetry};
+use nalgebra::Vector3;
 
-use crate::vector::dot;
 use crate::{Check, MEMBRANES, ValidationError};
 
 const SOURCE: &str = "exact";
@@ -90,12 +90,13 @@ fn inflate(discretisation: &Discretisation, stretch: f64) -> Result<(f64, f64), 
     let value = capsule.value(&nodes);
     capsule.rate(&value, &mut vec![0.0; value.len()])?;
     let (force, load) = witness.seen.into_inner().unwrap_or_default();
-    let work: f64 = force.iter().zip(&nodes).map(|(r, x)| dot(*r, *x)).sum();
+    let product = |(a, b): (&[f64; 3], &[f64; 3])| Vector3::from(*a).dot(&Vector3::from(*b));
+    let work: f64 = force.iter().zip(&nodes).map(product).sum();
     let pressure = work / (3.0 * Moments::of(&mesh.elements, &nodes).volume);
     let error = load
         .iter()
         .zip(&mesh.nodes)
-        .map(|(q, n)| (dot(*q, *n) / pressure - 1.0).abs())
+        .map(|pair| (product(pair) / pressure - 1.0).abs())
         .fold(0.0, f64::max);
     Ok((pressure, error))
 }

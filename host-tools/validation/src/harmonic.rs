@@ -1,12 +1,12 @@
 //! Zonal spherical harmonics about an axis that no mesh knows.
 
-use crate::vector::dot;
+use nalgebra::Vector3;
 
 /// `Y = P_n(d . r)` on the unit sphere.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Harmonic {
     degree: u32,
-    axis: [f64; 3],
+    axis: Vector3<f64>,
 }
 
 impl Harmonic {
@@ -14,13 +14,13 @@ impl Harmonic {
     pub fn oblique(degree: u32) -> Self {
         Self {
             degree,
-            axis: [0.36, 0.48, 0.8],
+            axis: Vector3::new(0.36, 0.48, 0.8),
         }
     }
 
     /// The value and the surface gradient at a point of the unit sphere.
-    pub fn at(&self, r: [f64; 3]) -> (f64, [f64; 3]) {
-        let t = dot(self.axis, r);
+    pub fn at(&self, r: Vector3<f64>) -> (f64, Vector3<f64>) {
+        let t = self.axis.dot(&r);
         // Bonnet's recursion, differentiated along.
         let (mut p, mut dp) = ([1.0, t], [0.0, 1.0]);
         for n in 1..self.degree {
@@ -29,23 +29,24 @@ impl Harmonic {
             let slope = ((2.0 * n + 1.0) * (p[1] + t * dp[1]) - n * dp[0]) / (n + 1.0);
             (p, dp) = ([p[1], next], [dp[1], slope]);
         }
-        (p[1], [0, 1, 2].map(|d| dp[1] * (self.axis[d] - t * r[d])))
+        (p[1], dp[1] * (self.axis - t * r))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use capsule_fom::vectors::norm;
 
     #[test]
     fn values_and_gradients_of_degree_three() {
         let harmonic = Harmonic::oblique(3);
-        let r = [0.6, 0.0, 0.8];
+        let r = Vector3::new(0.6, 0.0, 0.8);
         let t = 0.36 * 0.6 + 0.8 * 0.8;
         let (value, gradient) = harmonic.at(r);
         assert!((value - 0.5 * (5.0 * t * t * t - 3.0 * t)).abs() < 1e-15);
         let slope = 0.5 * (15.0 * t * t - 3.0);
         let size = slope * (1.0 - t * t).sqrt();
-        assert!((dot(gradient, gradient).sqrt() - size).abs() < 1e-14 && dot(gradient, r).abs() < 1e-15);
+        assert!((norm(gradient) - size).abs() < 1e-14 && gradient.dot(&r).abs() < 1e-15);
     }
 }

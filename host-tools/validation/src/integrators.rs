@@ -5,11 +5,12 @@ use std::time::Instant;
 use capsule_fom::flow::Duct;
 use capsule_fom::integrator::{FixedStep, Rkc2, Scheme, State, StepError, Stepper};
 use capsule_fom::system::{Capsule, Discretisation};
+use capsule_fom::vectors::{greatest_magnitude, norm};
 use capsule_fom::{Configuration, EvaluationError, FomError, Integrator, Settings};
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::ValidationError;
-use crate::vector::greatest;
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -147,7 +148,7 @@ impl Run {
     /// The greatest distance between two runs' positions of a node.
     fn distance(&self, other: &Self) -> f64 {
         let pairs = self.positions.iter().zip(&other.positions);
-        greatest(pairs.map(|(a, b)| [0, 1, 2].map(|d| a[d] - b[d])))
+        greatest_magnitude(pairs.map(|(a, b)| norm(Vector3::from(*a) - Vector3::from(*b))))
     }
 }
 

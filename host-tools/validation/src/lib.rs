@@ -13,7 +13,6 @@ pub mod poiseuille;
 mod relaxation;
 mod shear;
 mod single_layer;
-mod vector;
 
 pub use error::ValidationError;
 pub use outline::Outline;

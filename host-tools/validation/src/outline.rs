@@ -2,6 +2,7 @@
 
 use capsule_fom::Mesh;
 use capsule_fom::measures::Outlines;
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 /// The half outlines in the planes z = 0 and y = z, in the frame of the centroid, at their nodes: `[theta, x, r]` with
@@ -36,7 +37,7 @@ impl Outline {
     /// the other, in the direction in which it is larger.
     pub fn distance(&self, other: &Self) -> f64 {
         let (a, b) = (self.curves(), other.curves());
-        let mean = |from: &[Vec<[f64; 2]>; 2], to: &[Vec<[f64; 2]>; 2]| {
+        let mean = |from: &[Vec<Vector2<f64>>; 2], to: &[Vec<Vector2<f64>>; 2]| {
             let distances = from
                 .iter()
                 .zip(to)
@@ -47,7 +48,7 @@ impl Outline {
     }
 
     /// The sections at equidistant angles: cubic splines through the nodes, smooth across the axis.
-    fn curves(&self) -> [Vec<[f64; 2]>; 2] {
+    fn curves(&self) -> [Vec<Vector2<f64>>; 2] {
         [0, 1].map(|section| {
             let nodes = &self.sections[section];
             let angles: Vec<f64> = nodes.iter().map(|n| n[0]).collect();
@@ -56,23 +57,21 @@ impl Outline {
             let step = std::f64::consts::PI / CHORDS as f64;
             (0..=CHORDS)
                 .map(|i| i as f64 * step)
-                .map(|t| [x.at(t), r.at(t)])
+                .map(|t| Vector2::new(x.at(t), r.at(t)))
                 .collect()
         })
     }
 }
 
 /// The distance of a point to a polyline.
-fn distance([x, r]: [f64; 2], line: &[[f64; 2]]) -> f64 {
+fn distance(point: Vector2<f64>, line: &[Vector2<f64>]) -> f64 {
     let square = line
         .windows(2)
         .map(|chord| {
-            let [[x0, r0], [x1, r1]] = [chord[0], chord[1]];
-            let (along, from) = ([x1 - x0, r1 - r0], [x - x0, r - r0]);
-            let length = along[0] * along[0] + along[1] * along[1];
-            let part = ((from[0] * along[0] + from[1] * along[1]) / length).clamp(0.0, 1.0);
-            let rest = [from[0] - part * along[0], from[1] - part * along[1]];
-            rest[0] * rest[0] + rest[1] * rest[1]
+            let (along, from) = (chord[1] - chord[0], point - chord[0]);
+            let part = (from.dot(&along) / along.dot(&along)).clamp(0.0, 1.0);
+            let rest = from - part * along;
+            rest.dot(&rest)
         })
         .fold(f64::INFINITY, f64::min);
     square.sqrt()

@@ -2,9 +2,9 @@
 
 use capsule_fom::flow::{Background, FreeSpace};
 use capsule_fom::system::{Capsule, Discretisation};
+use nalgebra::Vector3;
 
 use crate::harmonic::Harmonic;
-use crate::vector::dot;
 use crate::{Check, MEMBRANES, ValidationError};
 
 const SOURCE: &str = "exact (linear theory)";
@@ -41,32 +41,24 @@ fn relaxation_rates(discretisation: &Discretisation, harmonic: Harmonic) -> Resu
     const STEP: f64 = 1e-4;
     let flow = FreeSpace::new(Background::Rest);
     let mut capsule = Capsule::new(discretisation, &flow, 1.0, 1.0);
-    let nodes = &discretisation.mesh.nodes;
-    let mut velocities = |field: &[[f64; 3]], step: f64| {
-        let moved: Vec<_> = nodes
-            .iter()
-            .zip(field)
-            .map(|(r, u)| [0, 1, 2].map(|d| r[d] + step * u[d]))
-            .collect();
+    let nodes: Vec<_> = discretisation.mesh.nodes.iter().copied().map(Vector3::from).collect();
+    let mut velocities = |field: &[Vector3<f64>], step: f64| {
+        let moved: Vec<_> = nodes.iter().zip(field).map(|(r, u)| (r + step * u).into()).collect();
         let value = capsule.value(&moved);
         let mut rate = vec![0.0; value.len()];
         capsule.rate(&value, &mut rate)?;
-        Ok::<_, ValidationError>(capsule.fields(&value, &rate).velocities)
+        Ok::<_, ValidationError>(capsule.fields(&value, &rate).velocities.into_iter().map(Vector3::from))
     };
-    let product = |a: &[[f64; 3]], b: &[[f64; 3]]| a.iter().zip(b).map(|(a, b)| dot(*a, *b)).sum::<f64>();
+    let product = |a: &[Vector3<f64>], b: &[Vector3<f64>]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
 
     let tangential: Vec<_> = nodes.iter().map(|&r| harmonic.at(r).1).collect();
-    let radial: Vec<_> = nodes.iter().map(|&r| r.map(|c| harmonic.at(r).0 * c)).collect();
+    let radial: Vec<_> = nodes.iter().map(|&r| harmonic.at(r).0 * r).collect();
     // Normal equations of the projection: the two fields are orthogonal at every node.
     let norms = [product(&tangential, &tangential), product(&radial, &radial)];
     let mut response = [[0.0; 2]; 2];
     for (column, field) in [&tangential, &radial].into_iter().enumerate() {
         let (forth, back) = (velocities(field, STEP)?, velocities(field, -STEP)?);
-        let rate: Vec<_> = forth
-            .iter()
-            .zip(&back)
-            .map(|(f, b)| [0, 1, 2].map(|d| (f[d] - b[d]) / (2.0 * STEP)))
-            .collect();
+        let rate: Vec<_> = forth.zip(back).map(|(f, b)| (f - b) / (2.0 * STEP)).collect();
         response[0][column] = product(&tangential, &rate) / norms[0];
         response[1][column] = product(&radial, &rate) / norms[1];
     }

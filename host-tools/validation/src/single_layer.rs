@@ -1,10 +1,11 @@
 //! The single layer of the unit sphere: vector spherical harmonics are its eigenfields.
 
 use capsule_fom::flow::{Background, Flow, FreeSpace, Membrane};
+use capsule_fom::vectors::{greatest_magnitude, norm};
 use capsule_fom::{FomError, Mesh};
+use nalgebra::Vector3;
 
 use crate::harmonic::Harmonic;
-use crate::vector::{cross, dot, greatest};
 use crate::{Check, ValidationError};
 
 const SOURCE: &str = "exact";
@@ -13,7 +14,7 @@ const MESH: usize = 13;
 /// Eigenvalues for the degrees 2 to 4, uniform and normal traction, and the greatest error at a node.
 pub fn checks() -> Result<Vec<Check>, ValidationError> {
     let sphere = Sphere::new(MESH)?;
-    let uniform = sphere.apply(|_| [1.0, -0.5, 0.3])?;
+    let uniform = sphere.apply(|_| Vector3::new(1.0, -0.5, 0.3))?;
     let mut worst = uniform.error(2.0 / 3.0);
     let mut checks = vec![
         Check::relative(
@@ -36,13 +37,13 @@ pub fn checks() -> Result<Vec<Check>, ValidationError> {
         let n = f64::from(degree);
         let v = |r| {
             let (y, gradient) = harmonic.at(r);
-            [0, 1, 2].map(|d| gradient[d] - (n + 1.0) * y * r[d])
+            gradient - (n + 1.0) * y * r
         };
         let w = |r| {
             let (y, gradient) = harmonic.at(r);
-            [0, 1, 2].map(|d| gradient[d] + n * y * r[d])
+            gradient + n * y * r
         };
-        let x = |r| cross(r, harmonic.at(r).1);
+        let x = |r: Vector3<f64>| r.cross(&harmonic.at(r).1);
         let modes = [
             ("V", sphere.apply(v)?, n / ((2.0 * n + 1.0) * (2.0 * n + 3.0))),
             ("W", sphere.apply(w)?, (n + 1.0) / ((2.0 * n + 1.0) * (2.0 * n - 1.0))),
@@ -71,8 +72,8 @@ struct Sphere {
 
 /// A load and minus the velocity that it gives, relative to the load's greatest magnitude.
 struct Response {
-    load: Vec<[f64; 3]>,
-    velocity: Vec<[f64; 3]>,
+    load: Vec<Vector3<f64>>,
+    velocity: Vec<Vector3<f64>>,
 }
 
 impl Sphere {
@@ -83,9 +84,9 @@ impl Sphere {
         })
     }
 
-    fn apply(&self, load: impl Fn([f64; 3]) -> [f64; 3]) -> Result<Response, ValidationError> {
+    fn apply(&self, load: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Result<Response, ValidationError> {
         let Mesh { nodes, elements } = &self.mesh;
-        let load: Vec<_> = nodes.iter().map(|&r| load(r)).collect();
+        let load: Vec<[f64; 3]> = nodes.iter().map(|&r| load(r.into()).into()).collect();
         let targets: Vec<u32> = (0..nodes.len() as u32).collect();
         let mut velocity = vec![[0.0; 3]; nodes.len()];
         let membrane = Membrane {
@@ -96,24 +97,25 @@ impl Sphere {
             force: &vec![[0.0; 3]; nodes.len()],
         };
         self.flow.velocity(&membrane, &targets, &mut velocity)?;
-        Ok(Response { load, velocity })
+        let vectors = |field: Vec<[f64; 3]>| field.into_iter().map(Vector3::from).collect();
+        Ok(Response {
+            load: vectors(load),
+            velocity: vectors(velocity),
+        })
     }
 }
 
 impl Response {
     /// `- v . q / q . q` over the nodes.
     fn eigenvalue(&self) -> f64 {
-        let product = |a: &[[f64; 3]]| self.load.iter().zip(a).map(|(q, a)| dot(*q, *a)).sum::<f64>();
+        let product = |a: &[Vector3<f64>]| self.load.iter().zip(a).map(|(q, a)| q.dot(a)).sum::<f64>();
         -product(&self.velocity) / product(&self.load)
     }
 
     /// The greatest of `|v + lambda q|` at a node over the greatest load.
     fn error(&self, eigenvalue: f64) -> f64 {
-        let difference = self
-            .load
-            .iter()
-            .zip(&self.velocity)
-            .map(|(q, v)| [0, 1, 2].map(|d| v[d] + eigenvalue * q[d]));
-        greatest(difference) / greatest(self.load.iter().copied())
+        let pairs = self.load.iter().zip(&self.velocity);
+        let difference = pairs.map(|(q, v)| norm(v + eigenvalue * q));
+        greatest_magnitude(difference) / greatest_magnitude(self.load.iter().copied().map(norm))
     }
 }

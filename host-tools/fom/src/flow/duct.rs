@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::Vector3;
+
 use super::error::FlowError;
 use super::membrane_layer::{MembraneLayer, MembraneRules};
 use super::near::TargetBlocks;
@@ -61,9 +63,9 @@ impl Duct {
         let mut velocity = vec![[0.0; 3]; wall.nodes().len()];
         for (y, z) in [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)] {
             let quarter = Panel {
-                centre: [settings.half_length, y, z],
-                u: [0.0, 0.5, 0.0],
-                v: [0.0, 0.0, 0.5],
+                centre: Vector3::new(settings.half_length, y, z),
+                u: Vector3::y() * 0.5,
+                v: Vector3::z() * 0.5,
             };
             quarter.for_each_node(&rule, |position, weight| outlet.push(position, [weight, 0.0, 0.0]));
             // The outlet touches the wall's last panels: divided where it is close.

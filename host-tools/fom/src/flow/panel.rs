@@ -3,19 +3,22 @@
 //! A density on a panel is the tensor product of Lagrange polynomials on the Gauss nodes. A part of a panel carries
 //! the same polynomial, so that panels close to a target are divided without loss.
 
+use nalgebra::Vector3;
+
 use super::near::Ball;
 use super::quadrature::gauss_legendre;
 use super::stokeslet::stokeslet;
+use crate::vectors::norm;
 
 /// The points `centre + s u + t v` with `s, t` in [-1, 1]; `u` and `v` are orthogonal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Panel {
     /// Its centre.
-    pub centre: [f64; 3],
+    pub centre: Vector3<f64>,
     /// Half of its first side.
-    pub u: [f64; 3],
+    pub u: Vector3<f64>,
     /// Half of its second side.
-    pub v: [f64; 3],
+    pub v: Vector3<f64>,
 }
 
 /// The one-dimensional rule behind the nodes of a panel. Node `(a, b)`, at `s = abscissae[a]` along `u` and
@@ -33,13 +36,10 @@ const DEEPEST: usize = 24;
 /// Points along an edge in the rule for the panel that holds the target.
 const EDGE_POINTS: usize = 20;
 
-pub(super) fn norm(a: [f64; 3]) -> f64 {
-    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
-}
-
 impl Panel {
     /// The image under a linear map.
     pub fn map(&self, f: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        let f = |vector: Vector3<f64>| f(vector.into()).into();
         Self {
             centre: f(self.centre),
             u: f(self.u),
@@ -55,7 +55,7 @@ impl Panel {
     /// The ball about the centre that holds the panel.
     pub fn ball(&self) -> Ball {
         Ball {
-            centre: self.centre,
+            centre: self.centre.into(),
             radius: self.radius(),
         }
     }
@@ -68,27 +68,12 @@ impl Panel {
     /// The two halves, across the longer side.
     fn halves(&self) -> [Self; 2] {
         [-0.5, 0.5].map(|s| {
-            let cut = if self.is_long() { self.u } else { self.v };
-            let centre = [0, 1, 2].map(|d| self.centre[d] + s * cut[d]);
-            let half = cut.map(|c| 0.5 * c);
-            if self.is_long() {
-                Self {
-                    centre,
-                    u: half,
-                    v: self.v,
-                }
-            } else {
-                Self {
-                    centre,
-                    u: self.u,
-                    v: half,
-                }
-            }
+            let mut half = *self;
+            let cut = if self.is_long() { &mut half.u } else { &mut half.v };
+            half.centre += s * *cut;
+            *cut *= 0.5;
+            half
         })
-    }
-
-    fn point(&self, s: f64, t: f64) -> [f64; 3] {
-        [0, 1, 2].map(|d| self.centre[d] + s * self.u[d] + t * self.v[d])
     }
 
     /// Calls `visit(position, weight)` for each node in order; the weights add up to the area.
@@ -96,7 +81,7 @@ impl Panel {
         let area = norm(self.u) * norm(self.v);
         for (&s, &ws) in rule.abscissae.iter().zip(&rule.weights) {
             for (&t, &wt) in rule.abscissae.iter().zip(&rule.weights) {
-                visit(self.point(s, t), ws * wt * area);
+                visit((self.centre + s * self.u + t * self.v).into(), ws * wt * area);
             }
         }
     }
@@ -108,11 +93,11 @@ impl Panel {
     }
 
     fn part_integrals(&self, rule: &PanelRule, target: [f64; 3], reach: f64, depth: usize) -> Vec<[f64; 6]> {
-        let offset = [0, 1, 2].map(|d| target[d] - self.centre[d]);
+        let offset = Vector3::from(target) - self.centre;
         if norm(offset) >= reach * self.radius() || depth == DEEPEST {
             let mut integrals = Vec::with_capacity(rule.nodes());
             self.for_each_node(rule, |y, weight| {
-                integrals.push(stokeslet([0, 1, 2].map(|d| target[d] - y[d])).map(|c| c * weight));
+                integrals.push(stokeslet((Vector3::from(target) - Vector3::from(y)).into()).map(|c| c * weight));
             });
             return integrals;
         }
@@ -175,9 +160,8 @@ impl Panel {
                     };
                     let (ds, dt) = (du / half_u, dv / half_v);
                     // J dS = (I + d d^T / d^2) h dw drho
-                    let weight = 0.25 * (high - low) * we * wr * h * norm([du, dv, 0.0]);
-                    let offset = [0, 1, 2].map(|d| ds * self.u[d] + dt * self.v[d]);
-                    let tensor = stokeslet(offset).map(|c| c * weight);
+                    let weight = 0.25 * (high - low) * we * wr * h * (du * du + dv * dv).sqrt();
+                    let tensor = stokeslet((ds * self.u + dt * self.v).into()).map(|c| c * weight);
                     let (along_u, along_v) = (rule.lagrange(s0 + ds), rule.lagrange(t0 + dt));
                     for a in 0..order {
                         for b in 0..order {
@@ -278,22 +262,15 @@ impl LoadedPanel {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_support::difference;
     use super::*;
 
     fn panel(length: f64) -> Panel {
         Panel {
-            centre: [0.1, 1.0, 0.2],
-            u: [0.5 * length, 0.0, 0.0],
-            v: [0.0, 0.0, 0.1],
+            centre: Vector3::new(0.1, 1.0, 0.2),
+            u: Vector3::x() * (0.5 * length),
+            v: Vector3::z() * 0.1,
         }
-    }
-
-    fn largest_difference(a: &[[f64; 6]], b: &[[f64; 6]]) -> f64 {
-        a.iter()
-            .flatten()
-            .zip(b.iter().flatten())
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max)
     }
 
     #[test]
@@ -314,7 +291,7 @@ mod tests {
                 });
                 let halved = panel.integrals(&rule, target, 4.0);
                 // The region around the target that halving leaves out contributes about as much as the last part.
-                assert!(largest_difference(&own, &halved) < 2e-4 * length, "{length} {node}");
+                assert!(difference(&own, &halved) < 2e-4 * length, "{length} {node}");
             }
         }
     }
@@ -346,7 +323,7 @@ mod tests {
         for target in [[0.1, 0.97, 0.2], [0.4, 1.0, 0.2], [0.1, 0.8, 0.3]] {
             let fine = panel(0.4).integrals(&rule, target, 8.0);
             let production = panel(0.4).integrals(&rule, target, 4.0);
-            assert!(largest_difference(&fine, &production) < 2e-6, "{target:?}");
+            assert!(difference(&fine, &production) < 2e-6, "{target:?}");
         }
     }
 

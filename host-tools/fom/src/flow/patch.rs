@@ -4,11 +4,13 @@ use std::hint::black_box;
 
 use multiversion::multiversion;
 use multiversion::target::match_target;
+use nalgebra::Vector3;
 
 use super::near::Ball;
 use super::quadrature::TriangleRule;
 use super::real::fused;
 use super::stokeslet::{LANES, Sources};
+use crate::shape_functions;
 
 /// Six nodes (VTK order) with all that is interpolated between them.
 #[derive(Debug, Clone)]
@@ -32,7 +34,7 @@ impl Patch {
         }
         let x = &patch.nodes;
         // The two tangents at the nodes: linear, so that those at the corners give those half-way.
-        let mut tangents = [[[0.0; 3]; 6]; 2];
+        let mut tangents = [[Vector3::zeros(); 6]; 2];
         for d in 0..3 {
             let [a, b, c, ab, bc, ca] = [x[0][d], x[1][d], x[2][d], x[3][d], x[4][d], x[5][d]];
             let corners = [
@@ -47,10 +49,7 @@ impl Patch {
             }
         }
         for (k, values) in patch.nodes.iter_mut().enumerate() {
-            let (u, v) = (tangents[0][k], tangents[1][k]);
-            values[6] = u[1] * v[2] - u[2] * v[1];
-            values[7] = u[2] * v[0] - u[0] * v[2];
-            values[8] = u[0] * v[1] - u[1] * v[0];
+            values[6..].copy_from_slice(tangents[0][k].cross(&tangents[1][k]).as_slice());
         }
         patch
     }
@@ -130,7 +129,7 @@ impl PatchRule {
         ];
         for (p, (&point, &weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
             let (block, lane) = (&mut blocks[p / LANES], p % LANES);
-            for (values, value) in block.shape.iter_mut().zip(shape_functions(point)) {
+            for (values, value) in block.shape.iter_mut().zip(shape_functions::values(point)) {
                 values[lane] = value;
             }
             block.weight[lane] = weight;
@@ -147,19 +146,6 @@ impl PatchRule {
     pub fn shape(&self, k: usize, p: usize) -> f64 {
         self.blocks[p / LANES].shape[k][p % LANES]
     }
-}
-
-/// The P2 shape functions at a point of the reference triangle.
-fn shape_functions([s, t]: [f64; 2]) -> [f64; 6] {
-    let r = 1.0 - s - t;
-    [
-        r * (2.0 * r - 1.0),
-        s * (2.0 * s - 1.0),
-        t * (2.0 * t - 1.0),
-        4.0 * r * s,
-        4.0 * s * t,
-        4.0 * t * r,
-    ]
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx2+fma", "x86_64+avx2+fma"))]

@@ -3,6 +3,7 @@
 use super::Membrane;
 use super::quadrature::TriangleRule;
 use crate::Mesh;
+use crate::shape_functions::{Point, nodes_of};
 
 /// A surface with a load and the force vector that belongs to it.
 pub struct Loaded {
@@ -72,32 +73,13 @@ fn force(mesh: &Mesh, nodes: &[[f64; 3]], load: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut force = vec![[0.0; 3]; nodes.len()];
     let rule = TriangleRule::sixteen();
     for element in &mesh.elements {
-        for (&[s, t], weight) in rule.points.iter().zip(&rule.weights) {
-            let r = 1.0 - s - t;
-            let phi = [
-                r * (2.0 * r - 1.0),
-                s * (2.0 * s - 1.0),
-                t * (2.0 * t - 1.0),
-                4.0 * r * s,
-                4.0 * s * t,
-                4.0 * t * r,
-            ];
-            let ds = [1.0 - 4.0 * r, 4.0 * s - 1.0, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t];
-            let dt = [1.0 - 4.0 * r, 0.0, 4.0 * t - 1.0, -4.0 * s, 4.0 * s, 4.0 * (r - t)];
-            let sum = |factors: &[f64; 6], field: &[[f64; 3]]| -> [f64; 3] {
-                [0, 1, 2].map(|d| (0..6).map(|k| factors[k] * field[element[k] as usize][d]).sum())
-            };
-            let (a, b) = (sum(&ds, nodes), sum(&dt, nodes));
-            let normal = [
-                a[1] * b[2] - a[2] * b[1],
-                a[2] * b[0] - a[0] * b[2],
-                a[0] * b[1] - a[1] * b[0],
-            ];
-            let area = normal.iter().map(|c| c * c).sum::<f64>().sqrt() * weight;
-            let q = sum(&phi, load);
-            for k in 0..6 {
+        let (x, q) = (nodes_of(element, nodes), nodes_of(element, load));
+        for (&[xi, eta], &weight) in rule.points.iter().zip(&rule.weights) {
+            let point = Point::at(xi, eta, weight);
+            let strength = point.weight * point.area(&x) * point.interpolate(&q);
+            for (&node, value) in element.iter().zip(point.value) {
                 for d in 0..3 {
-                    force[element[k] as usize][d] += area * phi[k] * q[d];
+                    force[node as usize][d] += value * strength[d];
                 }
             }
         }
@@ -106,7 +88,7 @@ fn force(mesh: &Mesh, nodes: &[[f64; 3]], load: &[[f64; 3]]) -> Vec<[f64; 3]> {
 }
 
 /// Largest component of a difference.
-pub fn difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+pub fn difference<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> f64 {
     a.iter()
         .flatten()
         .zip(b.iter().flatten())

@@ -7,6 +7,7 @@
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::dense::Dense;
@@ -77,9 +78,9 @@ impl Wall {
             .windows(2)
             .flat_map(|x| {
                 (0..layout.transverse).map(move |k| Panel {
-                    centre: [0.5 * (x[0] + x[1]), 1.0, (2 * k + 1) as f64 * width],
-                    u: [0.5 * (x[1] - x[0]), 0.0, 0.0],
-                    v: [0.0, 0.0, width],
+                    centre: Vector3::new(0.5 * (x[0] + x[1]), 1.0, (2 * k + 1) as f64 * width),
+                    u: Vector3::x() * (0.5 * (x[1] - x[0])),
+                    v: Vector3::z() * width,
                 })
             })
             .collect();
@@ -260,7 +261,7 @@ impl Wall {
         } else {
             self.reach * part.panel.radius()
         };
-        let close = near.move_outside_to_front(start, part.panel.centre, safe);
+        let close = near.move_outside_to_front(start, part.panel.centre.into(), safe);
         if close > start {
             sources.clear();
             self.add_sources(&part.panel, part.density.iter().copied(), sources);

@@ -5,7 +5,7 @@
 //! the work grows with the square root of the stiffness.
 
 use super::{Rate, SpectralRadius, State, StepError, Stepper};
-use crate::surface::greatest_magnitude;
+use crate::vectors::greatest_magnitude;
 
 /// RKC2 with its work space.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
