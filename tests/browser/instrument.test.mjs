@@ -383,6 +383,56 @@ describe("export", () => {
   );
 });
 
+describe("the element", () => {
+  onPage("shows what its attributes say, and says what it shows", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    await page.evaluate(() => {
+      document.body.insertAdjacentHTML(
+        "beforeend",
+        '<capsule-explorer ca="0.05" al="0.8" t="6" views="midplane" controls="time" speed="17"></capsule-explorer>',
+      );
+      const element = document.querySelector("capsule-explorer");
+      window.changes = [];
+      element.addEventListener("statechange", () => window.changes.push(element.state.ca));
+    });
+    await page.waitForFunction(() => document.querySelector("capsule-explorer").dataset.status === "ready");
+    const read = () => page.evaluate(() => document.querySelector("capsule-explorer").read());
+    const same = (found, expected) => {
+      for (const quantity of QUANTITIES) {
+        assert.equal(Math.fround(found[quantity]), Math.fround(expected[quantity]), quantity);
+      }
+    };
+    same(await read(), native(0.05, 0.8, 6));
+    const shown = () =>
+      page.$$eval("capsule-explorer > .masthead, capsule-explorer .query, capsule-explorer .transport", (parts) =>
+        parts.filter((part) => part.checkVisibility()).map((part) => part.className),
+      );
+    assert.deepEqual(await shown(), ["transport"]);
+    await page.evaluate(() => document.querySelector("capsule-explorer").setAttribute("ca", "0.06"));
+    await settled(page);
+    same(await read(), native(0.06, 0.8, 6));
+    assert.deepEqual(await page.evaluate(() => window.changes.at(-1)), 0.06);
+    await page.evaluate(() => {
+      const element = document.querySelector("capsule-explorer");
+      element.removeAttribute("ca");
+      element.setAttribute("controls", "none");
+    });
+    await settled(page);
+    assert.equal((await read()).ca, 0.1);
+    assert.deepEqual(await shown(), []);
+    // The page's own explorer is another one.
+    assert.deepEqual([(await state(page)).ca, (await state(page)).t], [0.1, 3]);
+  });
+
+  test("is a page in a frame, with its controls or without", async () => {
+    const { page, close } = await open(`?controls=none#ca=0.05&al=0.8&t=6${FLAT}`);
+    assert.equal(await page.isVisible("#midplane"), true);
+    for (const part of [".masthead", ".query", ".readouts", ".transport"]) {
+      assert.equal(await page.isVisible(part), false, part);
+    }
+    await close();
+  });
+});
+
 describe("the sheet of keys", () => {
   onPage("opens by ?, and the theme that is chosen there stays", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
     await page.keyboard.press("?");

@@ -7,18 +7,10 @@ import "./style/time.css";
 import "./style/layout.css";
 import "./style/model.css";
 import "./style/sheets.css";
+import "./style/embedded.css";
 import { Explorer, type Options } from "./app/explorer";
-import type { State } from "./app/schema";
+import { type Api, api, CapsuleExplorer, setControls } from "./element";
 import { loadFont } from "./style/font";
-
-/** What scripts that drive or embed an explorer can do. */
-interface Api {
-  readonly state: State;
-  /** Changes fields of the state; throws a `TypeError` for a value that cannot be one. */
-  set(patch: Partial<State>): void;
-  /** The query and the figures on screen. */
-  read(): Record<string, number | string | boolean>;
-}
 
 declare global {
   interface Window {
@@ -27,19 +19,13 @@ declare global {
   }
 }
 
-function api({ store, workbench }: Explorer): Api {
-  return {
-    get state() {
-      return store.state;
-    },
-    set: (patch) => store.set(patch),
-    read: () => workbench.read(),
-  };
-}
-
 loadFont();
-const model = new URLSearchParams(window.location.search).get("model");
+const words = new URLSearchParams(window.location.search);
+const model = words.get("model");
+// For a frame in another page.
+setControls(document.body, words.get("controls"));
 const explorer = new Explorer(document.body, { ownsAddress: true, ...(model === null ? {} : { model }) });
+customElements.define("capsule-explorer", CapsuleExplorer);
 
 window.capsuleExplorer = Object.defineProperties(
   {
