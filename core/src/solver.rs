@@ -263,3 +263,30 @@ fn paper_solver<'a, 's, 'f, T: Real, const K: usize, const M: usize>(
     };
     Some((source, factor))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coefficients_that_could_overflow_a_node_are_no_answer() {
+        let is_finite = |translation: f32, shape: [f32; 3], modes: usize| {
+            let mut coefficients = Coefficients::<f32, 3>::EMPTY;
+            assert_eq!(
+                coefficients.finite().err(),
+                Some(EvaluateError::NotFinite),
+                "nothing yet"
+            );
+            coefficients.translation = translation;
+            coefficients.shape.values = shape.map(|value| [value]);
+            coefficients.check_bound(modes);
+            coefficients.finite().is_ok()
+        };
+        assert!(is_finite(1.0, [-2.0, 3.0, 0.0], 3));
+        assert!(!is_finite(2e30, [0.0; 3], 3));
+        assert!(!is_finite(0.0, [0.0, -2e30, 0.0], 3));
+        assert!(!is_finite(6e29, [6e29, 0.0, 0.0], 3));
+        assert!(!is_finite(0.0, [0.0, f32::NAN, 0.0], 3));
+        assert!(is_finite(0.0, [0.0, 0.0, f32::NAN], 2), "a mode that is not in use");
+    }
+}

@@ -254,9 +254,16 @@ fn samples_close_to_each_other_do_no_harm_in_single_precision() {
 }
 
 #[test]
+fn the_covariance_has_the_sign_that_makes_variances_positive() {
+    // -r, r^3, -r^5 at r = 2.
+    assert_eq!([0, 1, 2].map(|degree| covariance(degree, 4.0_f64)), [-2.0, 8.0, -32.0]);
+}
+
+#[test]
 fn the_deviation_from_the_solution_is_the_quadratic_form() {
     for query in QUERIES {
         let weights = weights::<f64>(true, 10, query, None);
+        assert!(weights.variance > 0.0, "{query:?}: {}", weights.variance);
         let form = weights.quadratic_form();
         assert!((weights.variance - form).abs() < 1e-9, "{} {form}", weights.variance);
         let single = self::weights::<f32>(true, 10, query, None);

@@ -55,9 +55,7 @@ pub trait Real:
         Self::from_f64(value as f64)
     }
     /// The absolute value.
-    fn abs(self) -> Self {
-        if self < Self::ZERO { -self } else { self }
-    }
+    fn abs(self) -> Self;
     /// The larger of two numbers.
     fn max(self, other: Self) -> Self {
         if self < other { other } else { self }

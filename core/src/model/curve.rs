@@ -80,6 +80,7 @@ mod tests {
         }
         assert_eq!(curve.below([0.08, 1.05]), Some(true));
         assert_eq!(curve.below([0.10, 1.05]), Some(false));
+        assert_eq!(curve.below([0.14_f32, 0.75]), Some(false), "a point of the curve");
         assert_eq!((curve.below([0.10, 0.7]), curve.below([0.10, 1.3])), (None, None));
         let none = Curve::new(&Matrix::f32(0, 2, &[]));
         assert_eq!((none.at(0.9), none.below([0.1, 0.9])), (None, None));

@@ -56,6 +56,79 @@ fn what_was_written_is_read_in_place() {
 }
 
 #[test]
+fn a_model_describes_itself_as_it_was_written() {
+    let family = Family::new(2);
+    let mut arena = Arena::default();
+    let mut contents = family.contents(&mut arena);
+    contents.metadata.title = "a title";
+    contents.metadata.membrane_law = "a law";
+    contents.metadata.bending_stiffness = Some(3e-4);
+    contents.metadata.database_digest = "12ab";
+    contents.metadata.offline_settings = "{\"a\": 1}";
+    contents.metadata.created_unix_s = 4_000_000_000;
+    contents.default_method = Method::Paper;
+    contents.bending_effect = changed(&contents.bending_effect, 2, 0.25);
+    let file = write(&contents);
+    let model = Model::open(&file).unwrap();
+    assert_eq!(model.file(), file);
+    let texts = [
+        model.title(),
+        model.membrane_law(),
+        model.database_digest(),
+        model.offline_settings(),
+    ];
+    assert_eq!(texts, ["a title", "a law", "12ab", "{\"a\": 1}"]);
+    assert_eq!(
+        (model.bending_stiffness(), model.created_unix_s()),
+        (Some(3e-4), 4_000_000_000)
+    );
+    assert_eq!(model.default_method(), Method::Paper);
+    let units = model.units();
+    assert_eq!([units.length, units.velocity, units.time], ["l", "V", "l/V"]);
+    let names = model.parameters().iter().map(|parameter| parameter.name);
+    assert!(names.eq(["capillary_number", "confinement"]));
+    assert_eq!(model.reference(), Reference::Sphere);
+    assert_eq!(
+        (model.bending_effect().rows(), model.bending_effect().get(0, 2)),
+        (1, 0.25)
+    );
+    assert_eq!(
+        (model.times().rows(), model.error_times().rows()),
+        (family.times.len(), 2)
+    );
+    assert_eq!(
+        (
+            model.steady_limit_curve().points::<f64>().count(),
+            model.jump_curve().points::<f64>().count()
+        ),
+        (3, 0)
+    );
+    let outline = model.node_set("midplane").unwrap();
+    assert!(
+        outline
+            .iter()
+            .eq(family.sphere.midplane.iter().map(|&node| usize::from(node)))
+    );
+    assert!(model.node_set("nothing").is_none());
+    let samples: usize = model.clusters().map(|cluster| cluster.parameters().rows()).sum();
+    let written = contents
+        .clusters
+        .iter()
+        .map(|cluster| cluster.samples.parameters.rows as usize);
+    assert_eq!(samples, written.sum());
+    assert_eq!(
+        model.errors_against().to_string(),
+        "the full-order model (a law, B = 3e-4 G_s a^2)"
+    );
+
+    contents.metadata.bending_stiffness = None;
+    let file = write(&contents);
+    let model = Model::open(&file).unwrap();
+    assert_eq!(model.bending_stiffness(), None);
+    assert_eq!(model.errors_against().to_string(), "the full-order model (a law)");
+}
+
+#[test]
 fn alignment_does_not_change_a_bit() {
     let file = Family::new(2).file();
     let answer = |bytes: &[u8]| {

@@ -154,6 +154,9 @@ impl Real for Counted {
         note(|counts| counts.others += 1);
         Self(Real::exp(self.0))
     }
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }
@@ -181,5 +184,10 @@ mod tests {
             others: 1,
         };
         assert_eq!(counts, expected);
+    }
+
+    #[test]
+    fn the_absolute_value_has_no_sign() {
+        assert_eq!([-2.0, 0.0, 3.0].map(|x| Counted(x).abs().0), [2.0, 0.0, 3.0]);
     }
 }

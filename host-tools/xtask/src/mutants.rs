@@ -22,7 +22,8 @@ pub struct Options {
 /// Tests the mutants of a shard; the results are in `target/mutants`. A crate's own tests must find its mutants.
 pub fn mutants(options: &Options) -> Result<()> {
     setup::bring(&[setup::PIP, setup::NEXTEST, Tool::Subcommand("mutants")])?;
-    let mut mutants = command("cargo mutants --test-tool nextest --no-shuffle --jobs 1 --sharding round-robin --output");
+    let mut mutants =
+        command("cargo mutants --test-tool nextest --no-shuffle --jobs 1 --sharding round-robin --output");
     mutants.arg(target_directory()).args(["--shard", &options.shard]);
     for package in &options.package {
         mutants.args(["--package", package]);

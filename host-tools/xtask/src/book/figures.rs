@@ -171,7 +171,10 @@ fn at<'a>(json: &'a Value, place: &str) -> Result<&'a Value> {
             let conditions = conditions.trim_matches(['[', ']']).split("][");
             let conditions: Vec<_> = conditions.filter_map(|one| one.split_once('=')).collect();
             let is = |element: &&Value| conditions.iter().all(|(key, value)| is_value(&element[*key], value));
-            found = found.as_array().and_then(|list| list.iter().find(is)).ok_or_else(nothing)?;
+            found = found
+                .as_array()
+                .and_then(|list| list.iter().find(is))
+                .ok_or_else(nothing)?;
         }
     }
     Ok(found)
@@ -373,10 +376,17 @@ mod tests {
         assert_eq!(pointers(json, "/a/1 b").unwrap_err().to_string(), "nothing at /a/1");
         assert_eq!(pointers(json, "/a/0 x").unwrap_err().to_string(), "no number at /a/0/x");
         let list = r#"{"rows": [{"set": "m v", "to": 2, "e": [1, 2]}, {"set": "m v", "to": 0.5, "e": [3, 4]}]}"#;
-        let value = |place: &str| pointers(list, place).map(|stored| stored[0].1).map_err(|error| error.to_string());
+        let value = |place: &str| {
+            pointers(list, place)
+                .map(|stored| stored[0].1)
+                .map_err(|error| error.to_string())
+        };
         assert_eq!(value("/rows[set=m v][to=0.5] e/1"), Ok(Some(4.0)));
         assert_eq!(value("/rows[set=m v]/e 0"), Ok(Some(1.0)));
-        assert_eq!(value("/rows[set=m][to=2] e/0"), Err("nothing at /rows[set=m][to=2]".to_owned()));
+        assert_eq!(
+            value("/rows[set=m][to=2] e/0"),
+            Err("nothing at /rows[set=m][to=2]".to_owned())
+        );
         let csv = "x,cause,y\n1,\"mesh, fine\",0.5\n2,time,0.6\n3,\"mesh, fine\",0.7\n";
         let stored = rows(csv, "[cause=mesh, fine] x y").unwrap();
         let values: Vec<_> = stored.iter().filter_map(|(_, value)| *value).collect();
