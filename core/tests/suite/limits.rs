@@ -3,8 +3,8 @@
 
 use crate::common::{Arena, Family, distance, write};
 use capsule_core::model::wire::{Contents, Matrix};
-use capsule_core::{EvaluateError, OpenError};
-use capsule_core::{Evaluator, Frame, Method, Model, Nodes, Query, Real, Scene, Workspace, scratch_len};
+use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, OpenError, Parts, Query, Real, Scene};
+use capsule_core::{Workspace, scratch_len};
 
 /// A model that needs 15 parameter modes, 4 local modes and 15 neighbours: for the paper's method 12 and the ridge's 3
 /// rows.
@@ -205,4 +205,25 @@ fn extrapolation_that_goes_too_far() {
             assert_eq!(refused, far > 0.1, "{far} {method:?}");
         }
     }
+}
+
+#[test]
+fn the_parts_of_a_workspace_lie_in_it_and_apart() {
+    /// Where the parts lie: offset, size and alignment.
+    struct Places(Vec<[usize; 3]>);
+    impl Parts for Places {
+        fn put<P>(&mut self, offset: usize, _: P) {
+            self.0.push([offset, size_of::<P>(), align_of::<P>()]);
+        }
+    }
+    let mut places = Places(Vec::new());
+    Workspace::<f32>::put(&mut places);
+    places.0.sort_unstable();
+    assert!(places.0.len() > 5, "{:?}", places.0);
+    let mut end = 0;
+    for [offset, size, alignment] in places.0 {
+        assert!(offset >= end && offset % alignment == 0, "{offset}: {alignment}");
+        end = offset + size;
+    }
+    assert!(end <= size_of::<Workspace<f32>>());
 }
