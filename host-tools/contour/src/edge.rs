@@ -1,0 +1,138 @@
+//! Sub-pixel places of the edge, along the normals of a rough outline.
+
+use crate::grid::{Grid, vertex};
+
+/// What counts as the edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// Where the brightness changes most.
+    Gradient,
+    /// Half way between the levels on both sides.
+    HalfLevel,
+}
+
+impl Edge {
+    /// Its name in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gradient => "gradient",
+            Self::HalfLevel => "half-level",
+        }
+    }
+}
+
+/// The search along a normal: so many steps to either side, and steps per pixel.
+const REACH: usize = 20;
+const FINE: f64 = 4.0;
+/// Where levels are taken: steps from the ends of the search.
+const LEVEL: usize = 6;
+/// Profiles on either side of one that are averaged with it.
+const BESIDE: usize = 2;
+/// Share of the usual change of brightness below which an edge is not seen.
+const FAINT: f64 = 0.2;
+
+/// Points at equal distances of about one pixel along a closed line.
+pub(crate) fn evenly(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let closed = |i: usize| ring[i % ring.len()];
+    let length = |i: usize| {
+        let ([a, b], [c, d]) = (closed(i), closed(i + 1));
+        (c - a).hypot(d - b)
+    };
+    let whole: f64 = (0..ring.len()).map(length).sum();
+    let step = whole / whole.round().max(1.0);
+    let mut points = Vec::with_capacity(whole as usize + 1);
+    let mut way = 0.0;
+    for i in 0..ring.len() {
+        let ([a, b], [c, d]) = (closed(i), closed(i + 1));
+        let own = length(i);
+        while points.len() as f64 * step < way + own - 1e-9 {
+            let share = (points.len() as f64 * step - way) / own;
+            points.push([a + share * (c - a), b + share * (d - b)]);
+        }
+        way += own;
+    }
+    points
+}
+
+/// The edge beside the points of a rough outline of something bright. Points where no edge is seen are left out.
+pub(crate) fn refine(grid: &Grid, rough: &[[f64; 2]], edge: Edge) -> Vec<[f64; 2]> {
+    let rough = evenly(rough);
+    let n = rough.len();
+    let normals = normals(&rough);
+    let profiles: Vec<[f64; 2 * REACH + 1]> = rough
+        .iter()
+        .zip(&normals)
+        .map(|([x, y], [u, v])| {
+            std::array::from_fn(|i| {
+                let t = (i as f64 - REACH as f64) / FINE;
+                grid.sample([x + t * u, y + t * v])
+            })
+        })
+        .collect();
+    let places: Vec<Option<(f64, f64)>> = (0..n)
+        .map(|i| {
+            let profile: [f64; 2 * REACH + 1] = std::array::from_fn(|j| {
+                let around = (0..=2 * BESIDE).map(|k| profiles[(i + n + k - BESIDE) % n][j]);
+                around.sum::<f64>() / (2 * BESIDE + 1) as f64
+            });
+            match edge {
+                Edge::Gradient => steepest(&profile),
+                Edge::HalfLevel => half_level(&profile),
+            }
+        })
+        .collect();
+    let mut changes: Vec<f64> = places.iter().flatten().map(|(_, change)| *change).collect();
+    if changes.is_empty() {
+        return Vec::new();
+    }
+    let usual = crate::grid::median(&mut changes);
+    let seen = |place: &Option<(f64, f64)>| place.filter(|(_, change)| *change > FAINT * usual);
+    let moved = |(i, place): (usize, &Option<(f64, f64)>)| {
+        let (t, _) = seen(place)?;
+        let ([x, y], [u, v]) = (rough[i], normals[i]);
+        Some([x + t * u, y + t * v])
+    };
+    places.iter().enumerate().filter_map(moved).collect()
+}
+
+/// Outward normals of a closed line of points one pixel apart.
+fn normals(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let n = points.len();
+    let turn: f64 = (0..n)
+        .map(|i| {
+            let ([a, b], [c, d]) = (points[i], points[(i + 1) % n]);
+            a * d - b * c
+        })
+        .sum();
+    (0..n)
+        .map(|i| {
+            let ([a, b], [c, d]) = (points[(i + n - 2) % n], points[(i + 2) % n]);
+            let length = (c - a).hypot(d - b).max(f64::MIN_POSITIVE) * turn.signum();
+            [(d - b) / length, (a - c) / length]
+        })
+        .collect()
+}
+
+/// Where a profile falls most outward, in pixels, and by how much per pixel; none where that is the end of the search.
+fn steepest(profile: &[f64; 2 * REACH + 1]) -> Option<(f64, f64)> {
+    let fall = |i: usize| 0.5 * FINE * (profile[i - 1] - profile[i + 1]);
+    let at = (1..2 * REACH).max_by(|a, b| fall(*a).total_cmp(&fall(*b)))?;
+    if at < 3 || at > 2 * REACH - 3 {
+        return None;
+    }
+    let offset = vertex([fall(at - 1), fall(at), fall(at + 1)]);
+    Some(((at as f64 + offset - REACH as f64) / FINE, fall(at)))
+}
+
+/// Where a profile is half way between its ends, nearest to its middle, in pixels, and the difference of its ends.
+fn half_level(profile: &[f64; 2 * REACH + 1]) -> Option<(f64, f64)> {
+    let mean = |from: usize| profile[from..from + LEVEL].iter().sum::<f64>() / LEVEL as f64;
+    let (inside, outside) = (mean(0), mean(2 * REACH + 1 - LEVEL));
+    let level = 0.5 * (inside + outside);
+    let crossings = profile.windows(2).enumerate().filter_map(|(i, pair)| {
+        let crosses = pair[0] >= level && level > pair[1];
+        crosses.then(|| i as f64 + (pair[0] - level) / (pair[0] - pair[1]) - REACH as f64)
+    });
+    let nearest = crossings.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    Some((nearest / FINE, inside - outside))
+}
