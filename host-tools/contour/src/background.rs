@@ -13,8 +13,14 @@ const FEWEST: usize = 3;
 const STEEPEST: f64 = 0.06;
 /// Rows over which a step of brightness is measured.
 const STEP: usize = 6;
+/// Contrast of a capsule, in that of the walls, that is not looked for in the ends.
+const WEAK: f64 = 0.2;
+/// How much stronger the light at one end may be.
+const STRONGER: f64 = 1.5;
 /// A step in the one end that the other does not have, in the contrast of the capsule, that is no uneven light.
 const FOREIGN: f64 = 0.4;
+/// The same in the usual step, which is noise.
+const CLEAR: f64 = 8.0;
 
 /// Profiles of the brightness across the channel at both ends of a picture.
 #[derive(Clone, Debug)]
@@ -63,17 +69,48 @@ impl Ends {
         grid
     }
 
-    /// Whether one end shows an edge of something that the other does not show.
-    pub(crate) fn differ(&self, contrast: f64) -> bool {
+    /// The profile of the right end, shifted to where its walls are those of the left end.
+    fn aligned(&self) -> Vec<f64> {
         let [left, right] = &self.profiles;
         let rise = self.slope * (self.places[1] - self.places[0]);
-        let difference: Vec<f64> = (0..left.len())
-            .map(|y| left[y] - between(right, y as f64 + 0.5 + rise))
-            .collect();
-        difference
-            .windows(STEP + 1)
-            .any(|window| (window[STEP] - window[0]).abs() > FOREIGN * contrast)
+        (0..left.len()).map(|y| between(right, y as f64 + 0.5 + rise)).collect()
     }
+
+    /// How much both ends have in common: the sum of the products of their steps.
+    pub(crate) fn common(&self) -> f64 {
+        product(&self.profiles[0], &self.aligned())
+    }
+
+    /// Whether one end shows an edge of something that the other does not show.
+    pub(crate) fn differ(&self, contrast: f64) -> bool {
+        let (left, right) = (&self.profiles[0], self.aligned());
+        // Walls in weaker light are weaker.
+        let light = product(left, &right) / product(&right, &right).max(f64::MIN_POSITIVE);
+        let light = light.clamp(1.0 / STRONGER, STRONGER);
+        let difference: Vec<f64> = left
+            .iter()
+            .zip(&right)
+            .map(|(left, right)| left - light * right)
+            .collect();
+        let range = left
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [low.min(*value), high.max(*value)]
+            });
+        let contrast = contrast.max(WEAK * (range[1] - range[0]));
+        let mut steps: Vec<f64> = difference
+            .windows(STEP + 1)
+            .map(|window| (window[STEP] - window[0]).abs())
+            .collect();
+        let greatest = steps.iter().copied().fold(0.0, f64::max);
+        greatest > (FOREIGN * contrast).max(CLEAR * median(&mut steps))
+    }
+}
+
+/// The sum of the products of the steps of two profiles.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let steps = a.windows(2).zip(b.windows(2));
+    steps.map(|(a, b)| (a[1] - a[0]) * (b[1] - b[0])).sum()
 }
 
 /// The value of a profile at a place between the centres of its rows.

@@ -22,7 +22,7 @@ const FINE: f64 = 2.0;
 /// How far a line must stand out on both sides, in the contrast of the capsule.
 const CLEAR: f64 = 0.1;
 
-/// The darkest line across the axis between rear and middle, in a picture in which the capsule is bright.
+/// The line across the axis between rear and middle that stands out most, in a picture in which the capsule is bright.
 pub(crate) fn dent(grid: &Grid, outline: &[[f64; 2]], rightward: bool, contrast: f64) -> Option<Dent> {
     let [[left, right], [low, high]] = extent(outline);
     let (rear, sign) = if rightward { (left, 1.0) } else { (right, -1.0) };
@@ -36,7 +36,7 @@ pub(crate) fn dent(grid: &Grid, outline: &[[f64; 2]], rightward: bool, contrast:
             (0..rows as usize).map(row).sum::<f64>() / rows
         })
         .collect();
-    // The capsule is bright here, and its membrane brighter.
+    // Where the membrane is seen edge-on, it weakens the light more than the rest of the capsule.
     let highest = (1..count.max(2) - 1).max_by(|a, b| profile[*a].total_cmp(&profile[*b]))?;
     let lowest = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
     let (before, after) = (lowest(&profile[..highest]), lowest(&profile[highest + 1..]));

@@ -22,12 +22,13 @@ impl Edge {
 }
 
 /// The search along a normal: so many steps to either side, and steps per pixel.
-const REACH: usize = 20;
-const FINE: f64 = 4.0;
+const REACH: usize = 28;
+const PIXEL: usize = 4;
+const FINE: f64 = PIXEL as f64;
 /// Where levels are taken: steps from the ends of the search.
 const LEVEL: usize = 6;
 /// Profiles on either side of one that are averaged with it.
-const BESIDE: usize = 2;
+const BESIDE: usize = 4;
 /// Share of the usual change of brightness below which an edge is not seen.
 const FAINT: f64 = 0.2;
 
@@ -115,12 +116,14 @@ fn normals(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 /// Where a profile falls most outward, in pixels, and by how much per pixel; none where that is the end of the search.
 fn steepest(profile: &[f64; 2 * REACH + 1]) -> Option<(f64, f64)> {
-    let fall = |i: usize| 0.5 * FINE * (profile[i - 1] - profile[i + 1]);
-    let at = (1..2 * REACH).max_by(|a, b| fall(*a).total_cmp(&fall(*b)))?;
-    if at < 3 || at > 2 * REACH - 3 {
+    let fall = |i: usize| 0.5 * (profile[i - PIXEL] - profile[i + PIXEL]);
+    let at = (PIXEL..=2 * REACH - PIXEL).max_by(|a, b| fall(*a).total_cmp(&fall(*b)))?;
+    if at < 3 * PIXEL || at > 2 * REACH - 3 * PIXEL {
         return None;
     }
-    let offset = vertex([fall(at - 1), fall(at), fall(at + 1)]);
+    // Wide differences and a wide parabola, for the noise.
+    let [before, after] = [at - 2 * PIXEL, at + 2 * PIXEL];
+    let offset = (after - at) as f64 * vertex([fall(before), fall(at), fall(after)]);
     Some(((at as f64 + offset - REACH as f64) / FINE, fall(at)))
 }
 

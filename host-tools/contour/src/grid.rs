@@ -18,7 +18,11 @@ pub(crate) struct Grid {
 impl Grid {
     /// A picture after a Gaussian of this standard deviation, in pixels.
     pub(crate) fn blurred(grey: &Grey, deviation: f32) -> Self {
-        let grey = blur(grey, deviation);
+        Self::of(&blur(grey, deviation))
+    }
+
+    /// A picture as it is.
+    pub(crate) fn of(grey: &Grey) -> Self {
         Self {
             width: grey.width() as usize,
             height: grey.height() as usize,

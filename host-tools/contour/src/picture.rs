@@ -108,20 +108,21 @@ impl Picture {
                 background: background.size(),
             });
         }
-        let picture = Grid::blurred(&self.grey, BLUR);
-        let empty = background.map(|background| Grid::blurred(&background.grey, BLUR));
-        let channel = empty.as_ref().unwrap_or(&picture);
-        let axis = settings.axis.unwrap_or_else(|| axis(channel));
+        let channel = Grid::of(&background.unwrap_or(self).grey);
+        let axis = settings.axis.unwrap_or_else(|| axis(&channel));
         let edge = settings.edge.unwrap_or(match self.mask {
             true => Edge::HalfLevel,
             false => Edge::Gradient,
         });
+        // The blur is linear: of the difference it is the difference of the blurred.
+        let picture = Grid::blurred(&self.grey, BLUR);
+        let picture = match background {
+            Some(background) => picture.minus(&Grid::blurred(&background.grey, BLUR)),
+            None => picture,
+        };
         let mut found = match axis {
-            Axis::Horizontal => along_rows(picture, empty, edge)?,
-            Axis::Vertical => {
-                let empty = empty.map(|empty| empty.transposed());
-                along_rows(picture.transposed(), empty, edge)?.transposed()
-            }
+            Axis::Horizontal => along_rows(picture, &channel, edge)?,
+            Axis::Vertical => along_rows(picture.transposed(), &channel.transposed(), edge)?.transposed(),
         };
         let middle = |capsule: &Capsule| {
             let extent = extent(&capsule.points)[axis as usize];
@@ -132,43 +133,38 @@ impl Picture {
     }
 }
 
-/// The edge that a channel is parallel to: along it, the profiles at both ends are alike and have the steps of walls.
+/// The edge that a channel is parallel to: along it, both ends show the same walls.
 fn axis(channel: &Grid) -> Axis {
-    let alike = |grid: &Grid| {
-        let Ends { profiles, .. } = Ends::of(grid);
-        let steps = profiles.map(|profile| profile.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>());
-        steps[0].iter().zip(&steps[1]).map(|(a, b)| a * b).sum::<f64>()
-    };
-    if alike(&channel.transposed()) > alike(channel) {
+    if Ends::of(&channel.transposed()).common() > Ends::of(channel).common() {
         Axis::Vertical
     } else {
         Axis::Horizontal
     }
 }
 
-/// The capsules in a channel that is parallel to the rows.
-fn along_rows(picture: Grid, empty: Option<Grid>, edge: Edge) -> Result<Found, PictureError> {
-    let channel = empty.as_ref().map(Ends::of);
-    let picture = match &empty {
-        Some(empty) => picture.minus(empty),
-        None => picture,
-    };
+/// The capsules in a channel that is parallel to the rows: in a picture, blurred and perhaps without its background, and
+/// its walls in one that shows them sharply.
+fn along_rows(mut picture: Grid, channel: &Grid, edge: Edge) -> Result<Found, PictureError> {
     let ends = Ends::of(&picture);
-    let mut standing_out = ends.taken_from(picture);
+    let mut standing_out = ends.taken_from(picture.clone());
     // Capsules are darker or brighter than the liquid: from here on, brighter.
     let signed: f64 = standing_out.values.iter().map(|value| value * value.abs()).sum();
-    standing_out
-        .values
-        .iter_mut()
-        .for_each(|value| *value *= signed.signum());
+    for value in standing_out.values.iter_mut().chain(&mut picture.values) {
+        *value *= signed.signum();
+    }
     if Classes::of(&standing_out.values).is_some_and(|classes| ends.differ(classes.contrast)) {
         return Err(PictureError::EndsDiffer);
     }
     let Rings { whole, cut, contrast } = Rings::of(&standing_out)?;
+    // The gradient does without the light of the ends, whose noise is the same all along a row.
+    let seen = match edge {
+        Edge::Gradient => &picture,
+        Edge::HalfLevel => &standing_out,
+    };
     let capsules: Vec<Capsule> = whole
         .iter()
         .map(|ring| {
-            let points = refine(&standing_out, ring, edge);
+            let points = refine(seen, ring, edge);
             let rightward = rightward(&points);
             Capsule {
                 flow: rightward.map(|right| if right { Flow::Right } else { Flow::Left }),
@@ -178,7 +174,7 @@ fn along_rows(picture: Grid, empty: Option<Grid>, edge: Edge) -> Result<Found, P
         })
         .collect();
     let rows = extent(&whole.concat())[1];
-    let walls = Walls::around(0.5 * (rows[0] + rows[1]), channel.as_ref().unwrap_or(&ends), contrast);
+    let walls = Walls::around(0.5 * (rows[0] + rows[1]), &Ends::of(channel), contrast);
     Ok(Found {
         capsules,
         cut,

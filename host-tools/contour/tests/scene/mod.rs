@@ -74,6 +74,8 @@ pub struct Scene {
     /// Standard deviation of the brightness.
     pub noise: f64,
     pub seed: u64,
+    /// Whether a pixel is in or out, and nothing between.
+    pub binary: bool,
     /// Place of a line across the capsules that is twice as dark as they are.
     pub line: Option<f64>,
 }
@@ -109,6 +111,7 @@ impl Scene {
             blur: 0.0,
             noise: 0.0,
             seed: 1,
+            binary: false,
             line: None,
         }
     }
@@ -175,6 +178,9 @@ impl Scene {
         values
             .iter_mut()
             .for_each(|value| *value += self.noise * random.normal());
+        if self.binary {
+            values.iter_mut().for_each(|value| *value = value.round());
+        }
         let pixels = values
             .iter()
             .map(|value| (255.0 * value).round().clamp(0.0, 255.0) as u8)
@@ -183,7 +189,7 @@ impl Scene {
         picture.into()
     }
 
-    /// A bright liquid, walls as dark lines of three pixels, and what is behind them a little darker.
+    /// A bright liquid, walls as dark lines of five pixels, and what is behind them a little darker.
     fn channel(&self, x: f64, y: f64) -> f64 {
         let Some([upper, lower]) = self.walls else {
             return self.level;
@@ -192,7 +198,7 @@ impl Scene {
         let outward = (upper - y).max(y - lower);
         match outward {
             ..0.0 => self.level,
-            0.0..3.0 => 0.25 * self.level,
+            0.0..5.0 => 0.25 * self.level,
             _ => 0.85 * self.level,
         }
     }
