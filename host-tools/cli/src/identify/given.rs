@@ -176,6 +176,12 @@ impl Given {
         Ok((setup, self.lengths.lengths(ratio)?))
     }
 
+    /// Whether the cross-section of the channel is stated.
+    pub fn says_channel(&self) -> bool {
+        self.channel.is_some()
+    }
+
+    /// Priors of a picture's or contour's errors.
     pub fn priors(&self, pixel_um: f64) -> Priors {
         let usual = Priors::of_pixel(pixel_um);
         Priors {
@@ -185,6 +191,7 @@ impl Given {
         }
     }
 
+    /// The kind of the outline.
     pub fn observable(&self) -> Observable {
         match self.observable {
             Some(ObservableName::Midplane) => Observable::Midplane,
@@ -192,6 +199,7 @@ impl Given {
         }
     }
 
+    /// The unit of a contour.
     pub fn unit(&self) -> Option<Unit> {
         self.unit.map(|unit| match unit {
             UnitName::Um => Unit::Um,
@@ -199,6 +207,7 @@ impl Given {
         })
     }
 
+    /// What counts as the edge in a picture.
     pub fn edge(&self) -> Option<capsule_contour::Edge> {
         self.edge.map(|edge| match edge {
             EdgeName::Gradient => capsule_contour::Edge::Gradient,

@@ -81,6 +81,13 @@ pub fn read(bytes: &[u8], given: &Given, half_width_um: f64, warnings: &mut Vec<
     let index = choose(&found, given.capsule)?;
     let (pixel_um, scale_from) = scale(&found, given.pixel_um, half_width_um, warnings)?;
     let capsule = &found.capsules[index];
+    if !given.says_channel() {
+        warnings.push(
+            "a picture does not tell whether the channel is square, and in a round tube the numbers would be wrong: say \
+             --channel square if it is"
+                .to_owned(),
+        );
+    }
     if found.cut > 0 {
         warnings.push(format!(
             "{} capsule(s) are cut by the border of the picture and left out",
