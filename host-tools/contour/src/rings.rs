@@ -102,8 +102,8 @@ impl Rings {
             })
             .filter(|ring| extent(ring).iter().all(|[low, high]| high - low >= f64::from(LEAST)))
             .collect();
-        let largest = rings.iter().map(|ring| area(ring)).fold(0.0, f64::max);
-        rings.retain(|ring| area(ring) >= DIRT * largest);
+        let largest = rings.iter().map(|ring| area(ring).abs()).fold(0.0, f64::max);
+        rings.retain(|ring| area(ring).abs() >= DIRT * largest);
         let found = rings.len();
         let size = [grid.width as f64, grid.height as f64];
         rings.retain(|ring| {
@@ -136,11 +136,11 @@ pub(crate) fn extent(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     })
 }
 
-/// The area within a closed line.
+/// The area within a closed line, positive where it turns from x to y.
 pub(crate) fn area(ring: &[[f64; 2]]) -> f64 {
     let triangle = |i: usize| {
         let ([a, b], [c, d]) = (ring[i], ring[(i + 1) % ring.len()]);
         a * d - b * c
     };
-    0.5 * (0..ring.len()).map(triangle).sum::<f64>().abs()
+    0.5 * (0..ring.len()).map(triangle).sum::<f64>()
 }

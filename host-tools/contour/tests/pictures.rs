@@ -43,6 +43,7 @@ fn a_smooth_outline_is_found_to_a_tenth_of_a_pixel() {
     for scene in [&dark, &bright] {
         let found = one(scene);
         let error = ellipse().error(&found.capsules[0].points);
+
         assert!(error < 0.1, "{error}");
         assert_eq!(
             (found.axis, found.edge, found.cut),
@@ -64,6 +65,7 @@ fn noise_of_a_fifteenth_of_the_contrast_costs_a_fifth_of_a_pixel() {
     };
     let found = one(&faint);
     let error = ellipse().error(&found.capsules[0].points);
+
     assert!(error < 0.2, "{error}");
     let walls = found.walls.unwrap();
     assert!((walls.distance / faint.apart() - 1.0).abs() < 0.005, "{walls:?}");
@@ -79,6 +81,7 @@ fn both_edges_agree_on_a_symmetric_blur() {
         };
         let found = picture.capsules(None, &settings).unwrap();
         let error = ellipse().error(&found.capsules[0].points);
+
         assert!(error < 0.1 && found.edge == edge, "{edge:?}: {error}");
     }
 }
@@ -94,6 +97,7 @@ fn every_format_gives_the_same() {
             .capsules(None, &Settings::default())
             .unwrap();
         let error = ellipse().error(&found.capsules[0].points);
+
         assert!(error < 0.1, "{format:?}: {error}");
     }
 }
@@ -116,6 +120,7 @@ fn a_mask_is_found_by_its_half_level() {
         let found = one(&scene);
         let error = dented().error(&found.capsules[0].points);
         // A pixel is in or out: its edge is off by up to half a pixel, by 0.29 rms if it were not averaged.
+
         assert!(error < 0.2 && found.edge == Edge::HalfLevel, "{error}");
         assert_eq!(found.walls, None);
     }
@@ -133,6 +138,7 @@ fn a_dent_and_the_direction_of_the_flow_are_found() {
             .map(|point| scene.back(*point, turns))
             .collect();
         let error = dented().error(&points);
+
         assert!(error < 0.1, "{error}");
         assert_eq!(found.capsules[0].flow, Some(flow));
         let walls = found.walls.unwrap();
@@ -170,6 +176,7 @@ fn a_channel_may_slope() {
     };
     let found = one(&scene);
     let error = ellipse().error(&found.capsules[0].points);
+
     assert!(error < 0.1, "{error}");
     let walls = found.walls.unwrap();
     let apart = scene.apart() * slope.atan().cos();
@@ -187,6 +194,7 @@ fn several_capsules_are_told_apart() {
     assert_eq!(found.capsules.len(), 2);
     for (capsule, truth) in found.capsules.iter().zip([ellipse(), behind]) {
         let error = truth.error(&capsule.points);
+
         assert!(error < 0.1, "{error}");
     }
 }
@@ -202,6 +210,7 @@ fn a_background_takes_away_what_stands_still() {
     let found = find(&picture, Some(&empty)).unwrap();
     assert_eq!(found.capsules.len(), 1);
     let error = ellipse().error(&found.capsules[0].points);
+
     assert!(error < 0.1, "{error}");
     let walls = found.walls.unwrap();
     assert!((walls.distance / picture.apart() - 1.0).abs() < 0.005, "{walls:?}");

@@ -46,7 +46,7 @@ const EXAMPLES: &str = "\
 Examples:
   capsule-rom identify batch table.csv --out results.csv
   capsule-rom identify batch table.csv --out results.jsonl --json --plot histograms.svg
-  capsule-rom identify batch files.csv --out results.csv --half-width-um 25 --viscosity-pa-s 1 -o silhouette
+  capsule-rom identify batch files.csv --out results.csv --half-width-um 25 -o midplane
 
 The options hold for all rows; a cell that is not empty says otherwise for its row. Paths are relative to the table. \
 The deviation of a length is in a column of its own, such as axial_length_um_deviation.

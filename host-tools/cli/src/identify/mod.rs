@@ -64,8 +64,8 @@ struct One {
 const EXAMPLES: &str = "\
 Examples:
   capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o midplane
-  capsule-rom identify p.png --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o silhouette --channel square
-  capsule-rom identify batch table.csv --out results.csv --half-width-um 25 --viscosity-pa-s 1 -o silhouette
+  capsule-rom identify p.png --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o silhouette
+  capsule-rom identify batch table.csv --out results.csv --half-width-um 25 -o silhouette
 
 Contours in pixels need --pixel-um. In pictures the walls give the scale. Lengths take the place of the file: \
 --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
