@@ -139,10 +139,8 @@ mod tests {
              c;c.csv;half;;;;\n",
         )
         .unwrap();
-        let common = Given {
-            pixel_um: Some(0.25),
-            ..Given::default()
-        };
+        let mut common = Given::default();
+        common.pixel_um = Some(0.25);
         let warned = std::cell::RefCell::new(Vec::new());
         let rows = read(&table, &common, "model", |text| {
             warned.borrow_mut().push(text.to_owned())
