@@ -114,10 +114,13 @@ pub fn run(options: &Options) -> Result<()> {
     }
     bar.finish_and_clear();
     let population = Population::of(&records, rows.len());
-    if let Some(file) = &options.plot {
+    if let (Some(file), true) = (&options.plot, population.has_identified()) {
         outputs.write(file, |file| population.histograms().save(file))?;
     }
     outputs.finish()?;
+    if options.plot.is_some() && !population.has_identified() {
+        eprintln!("warning: no capsule is identified, so there is no histogram");
+    }
     if options.json {
         print::json(&population)?;
     } else {

@@ -67,6 +67,11 @@ impl Population {
         }
     }
 
+    /// Whether there is a capsule to show.
+    pub fn has_identified(&self) -> bool {
+        self.identified > 0
+    }
+
     /// Prints it as text.
     pub fn print(&self) -> Result<()> {
         println!("{} of {} rows answered", self.rows - self.failed, self.rows);
