@@ -53,8 +53,8 @@ const SIZE: [u32; 2] = [420, 220];
 const PIXELS: f64 = 80.0;
 const MIDDLE: [f64; 2] = [128.3, 110.2];
 
-/// Eight points for one of a closed curve, by Catmull and Rom's cubics: chords between the nodes cut the rims by a tenth
-/// of a pixel.
+/// Eight points for one of a closed curve, by Catmull and Rom's cubics: chords between the nodes cut the rims by a
+/// tenth of a pixel.
 fn smooth(nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let n = nodes.len();
     let point = |i: usize| {

@@ -33,8 +33,8 @@ pub enum PictureError {
     },
     /// Nothing stands out.
     #[error(
-        "no capsule is seen: nothing of at least {least} pixels across stands out from the background; a picture of the \
-         empty channel as background may help"
+        "no capsule is seen: nothing of at least {least} pixels across stands out from the background; a picture of \
+         the empty channel as background may help"
     )]
     NoCapsule {
         /// The least extent of a capsule.

@@ -142,8 +142,8 @@ fn axis(channel: &Grid) -> Axis {
     }
 }
 
-/// The capsules in a channel that is parallel to the rows: in a picture, blurred and perhaps without its background, and
-/// its walls in one that shows them sharply.
+/// The capsules in a channel that is parallel to the rows: in a picture, blurred and perhaps without its background,
+/// and its walls in one that shows them sharply.
 fn along_rows(mut picture: Grid, channel: &Grid, edge: Edge) -> Result<Found, PictureError> {
     let ends = Ends::of(&picture);
     let mut standing_out = ends.taken_from(picture.clone());

@@ -61,7 +61,7 @@ impl Classes {
         let dark: Vec<f64> = values.iter().copied().filter(|value| *value < threshold).collect();
         let mean = dark.iter().sum::<f64>() / dark.len().max(1) as f64;
         let variance = dark.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / dark.len().max(1) as f64;
-        // Half way between the means, and not at the edge of a bin: where pictures have two levels it makes a difference.
+        // Half way between the means, and not at the edge of a bin: for pictures with two levels they are far apart.
         Some(Self {
             threshold: mean + 0.5 * contrast,
             contrast,

@@ -81,8 +81,8 @@ impl Bench {
             .map(|ms| shape.scalars[VELOCITY] * found.mean_velocity_m_s * 1e3 * ms);
         if let Some(blur) = blur_um.filter(|blur| *blur > pixel_um) {
             warnings.push(format!(
-                "the capsule moves by {blur:.2} um in the exposure, more than a pixel ({pixel_um:.2} um): the outline is \
-                 blurred along the flow"
+                "the capsule moves by {blur:.2} um in the exposure, more than a pixel ({pixel_um:.2} um): the outline \
+                 is blurred along the flow"
             ));
         }
         let answer = Answer::new(model, &found, outline, blur_um, warnings);

@@ -164,7 +164,7 @@ impl Given {
         }
         ensure!(
             self.channel != Some(ChannelName::Round),
-            "the channel is round and the model's is square: in a tube a capsule has another shape at the same Ca and a/l"
+            "the channel is round and the model's is square: in a tube a capsule of the same Ca and a/l differs"
         );
         let half_width_um = half_width(&self.half_width_um, warnings)?;
         let (flow, ratio) = self.flow.flow()?;

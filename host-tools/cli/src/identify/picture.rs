@@ -83,8 +83,8 @@ pub fn read(bytes: &[u8], given: &Given, half_width_um: f64, warnings: &mut Vec<
     let capsule = &found.capsules[index];
     if !given.says_channel() {
         warnings.push(
-            "a picture does not tell whether the channel is square, and in a round tube the numbers would be wrong: say \
-             --channel square if it is"
+            "a picture does not tell whether the channel is square, and in a round tube the numbers would be wrong: \
+             say --channel square if it is"
                 .to_owned(),
         );
     }

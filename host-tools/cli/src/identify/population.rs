@@ -132,7 +132,8 @@ impl Spread {
     }
 }
 
-/// The outline of a histogram, its bins as wide as Freedman and Diaconis propose (Z. Wahrscheinlichkeitstheorie 57, 1981).
+/// The outline of a histogram, its bins as wide as Freedman and Diaconis propose (Z. Wahrscheinlichkeitstheorie 57,
+/// 1981).
 fn steps(values: &[f64]) -> Vec<(f64, f64)> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -82,7 +82,7 @@ impl Records {
             let asked = number.and_then(|number| rows.get((number as usize).wrapping_sub(1)));
             ensure!(
                 asked.is_some_and(|row| record.get("request") == Some(&row.request.clone().into())),
-                "{} holds an answer to row {} of another table, or with other options or another model: name another file",
+                "{} holds an answer to row {} of another table, with other options or another model: name another file",
                 path.display(),
                 number.map_or("?".to_owned(), |number| number.to_string())
             );
