@@ -72,8 +72,8 @@ Contours in pixels need --pixel-um. In pictures the walls give the scale. Length
 
 The capsule flows steadily along the axis of a square channel. Its membrane is neo-Hookean, the liquids inside and \
 outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface \
-shear modulus G_s, each with the intervals that hold the true value in 68 and 95 of 100 cases, and a verdict: an answer \
-without \"identified\" is none, or a bound. Nothing is extrapolated.";
+shear modulus G_s, each with the intervals that hold the true value in 68 and 95 of 100 cases, and a verdict: an \
+answer without \"identified\" is none, or a bound. Nothing is extrapolated.";
 
 pub fn run(options: &Options) -> Result<()> {
     match &options.batch {
