@@ -40,7 +40,7 @@ const COLUMNS: [(&str, &str); 28] = [
     ("residual_um", "/residual_um"),
     ("structure", "/structure"),
     ("alternative_ca", "/alternative/ca"),
-    ("warnings", "/warnings/0"),
+    ("warnings", "/warnings"),
 ];
 
 /// The file of a batch's answers.
@@ -135,6 +135,7 @@ fn cell(value: Option<&Value>) -> String {
     match value {
         None | Some(Value::Null) => String::new(),
         Some(Value::String(text)) => text.clone(),
+        Some(Value::Array(all)) => all.iter().map(|one| cell(Some(one))).collect::<Vec<_>>().join("; "),
         Some(value) => value.to_string(),
     }
 }
