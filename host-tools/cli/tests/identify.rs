@@ -1,5 +1,5 @@
-//! `capsule-rom identify` on the outline of a capsule whose parameters are known, at the nodes of its section, with a
-//! decimal comma as spreadsheets write it.
+//! `capsule-rom identify` on the outline of a capsule whose parameters are known: at the nodes of its section, with a
+//! decimal comma as spreadsheets write it, and drawn into a picture.
 
 use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Query, Workspace};
 use serde_json::Value;
@@ -20,25 +20,85 @@ fn run(contour: &Path, options: &str) -> Output {
         .expect("the command starts")
 }
 
-/// Writes the section z = 0 in um and returns the capsule's velocity in V.
-fn write_contour(path: &Path) -> f64 {
+/// The section z = 0 in l, and the capsule's velocity in V.
+fn section(ca: f64, confinement: f64) -> (Vec<[f64; 2]>, f64) {
     let model = Model::open(include_bytes!("../../../models/capsule.crom")).unwrap();
     let mut workspace = Workspace::<f64>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     evaluator
-        .prepare(&Query::new([CA, CONFINEMENT], Method::Direct))
+        .prepare(&Query::new([ca, confinement], Method::Direct))
         .unwrap();
     let mut instant = evaluator.at(f64::from(model.end_time())).unwrap();
     let mut half = vec![[0.0; 2]; model.node_set(MIDPLANE).unwrap().len()];
     instant.outline(MIDPLANE, Frame::Centroid, &mut half).unwrap();
-    let mirrored = half[1..half.len() - 1].iter().rev().map(|[x, r]| [*x, -r]);
+    let mirrored: Vec<[f64; 2]> = half[1..half.len() - 1].iter().rev().map(|[x, r]| [*x, -r]).collect();
+    half.extend(mirrored);
+    (half, instant.centroid_velocity().unwrap())
+}
+
+/// Writes the section in um and returns the capsule's velocity in V.
+fn write_contour(path: &Path) -> f64 {
+    let (points, velocity) = section(CA, CONFINEMENT);
     let mut text = "x_um;y_um\n".to_owned();
-    for [x, y] in half.iter().copied().chain(mirrored) {
+    for [x, y] in points {
         let [x, y] = [x, y].map(|value| format!("{:.4}", HALF_WIDTH_UM * value).replace('.', ","));
         text.push_str(&format!("{x};{y}\n"));
     }
     std::fs::write(path, text).unwrap();
-    instant.centroid_velocity().unwrap()
+    velocity
+}
+
+/// Size of the picture, pixels per l, and the middle of the first capsule.
+const SIZE: [u32; 2] = [420, 220];
+const PIXELS: f64 = 80.0;
+const MIDDLE: [f64; 2] = [128.3, 110.2];
+
+/// Eight points for one of a closed curve, by Catmull and Rom's cubics: chords between the nodes cut the rims by a
+/// tenth of a pixel.
+fn smooth(nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let n = nodes.len();
+    let point = |i: usize| {
+        let (k, t) = (i / 8, (i % 8) as f64 / 8.0);
+        [0, 1].map(|d| {
+            let [a, b, c, e] = [n - 1, 0, 1, 2].map(|step| nodes[(k + step) % n][d]);
+            b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - e + t * (3.0 * (b - c) + e - a)))
+        })
+    };
+    (0..8 * n).map(point).collect()
+}
+
+/// Draws capsules at distances behind the first, dark between two walls, and writes the picture.
+fn write_picture(path: &Path, capsules: &[f64]) {
+    let (nodes, _) = section(CA, CONFINEMENT);
+    let outline = smooth(&nodes);
+    // Places where a row of the capsule crosses its outline.
+    let crossings = |y: f64| -> Vec<f64> {
+        let crossing = |i: usize| {
+            let ([a, b], [c, d]) = (outline[i], outline[(i + 1) % outline.len()]);
+            ((b <= y) != (d <= y)).then(|| a + (y - b) / (d - b) * (c - a))
+        };
+        (0..outline.len()).filter_map(crossing).collect()
+    };
+    let rows: Vec<(f64, Vec<f64>)> = (0..8 * SIZE[1])
+        .map(|i| ((f64::from(i) + 0.5) / 8.0 - MIDDLE[1]) / PIXELS)
+        .map(|y| (y, crossings(y)))
+        .collect();
+    let brightness = |x: f64, (y, crossings): &(f64, Vec<f64>)| {
+        if y.abs() > 1.0 {
+            return if y.abs() < 1.06 { 60.0 } else { 170.0 };
+        }
+        let inside = |x: f64| crossings.iter().filter(|crossing| **crossing > x).count() % 2 == 1;
+        let covered = capsules.iter().any(|behind| inside(x - behind));
+        if covered { 110.0 } else { 200.0 }
+    };
+    let picture = image::GrayImage::from_fn(SIZE[0], SIZE[1], |column, row| {
+        let fine = (0..64).map(|i| {
+            let x = (f64::from(column) + (f64::from(i % 8) + 0.5) / 8.0 - MIDDLE[0]) / PIXELS;
+            brightness(x, &rows[(8 * row + i / 8) as usize])
+        });
+        image::Luma([(fine.sum::<f64>() / 64.0).round() as u8])
+    });
+    image::imageops::blur(&picture, 1.0).save(path).unwrap();
 }
 
 #[test]
@@ -93,4 +153,136 @@ fn inconsistent_measurements_are_refused() {
             "{reason}: {message}"
         );
     }
+}
+
+#[test]
+fn a_known_capsule_is_identified_in_a_picture() {
+    let directory = tempfile::tempdir().unwrap();
+    let in_it = |name: &str| directory.path().join(name);
+    let picture = in_it("capsule.png");
+    write_picture(&picture, &[0.0]);
+    let (contour, overlay) = (in_it("contour.csv"), in_it("overlay.png"));
+    let written = format!("--contour-out {} --overlay {}", contour.display(), overlay.display());
+    let output = run(
+        &picture,
+        &format!("{FLOW} -o midplane --json --channel square {written}"),
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty());
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let scale = answer["picture"]["pixel_um"].as_f64().unwrap() / (HALF_WIDTH_UM / PIXELS);
+    assert!((scale - 1.0).abs() < 0.005, "{scale}");
+    assert_eq!(answer["flow"], "right");
+    for (name, truth) in [("ca", CA), ("confinement", CONFINEMENT)] {
+        let ends = [0, 1].map(|end| answer[format!("{name}_95")][end].as_f64().unwrap());
+        assert!(
+            ends[0] < truth && truth < ends[1],
+            "{name}: {truth} in {ends:?}, {answer}"
+        );
+    }
+    assert_eq!(image::open(&overlay).unwrap().width() % SIZE[0], 0);
+    // The contour that was written is the one that was fitted.
+    let pixel_um = answer["picture"]["pixel_um"].as_f64().unwrap();
+    let again = run(&contour, &format!("{FLOW} -o midplane --json --pixel-um {pixel_um}"));
+    let again: Value = serde_json::from_slice(&again.stdout).unwrap();
+    let ratio = again["ca"].as_f64().unwrap() / answer["ca"].as_f64().unwrap();
+    assert!((ratio - 1.0).abs() < 1e-3, "{again}");
+    // A picture does not tell a square channel from a tube.
+    let unsaid = run(&picture, &format!("{FLOW} -o midplane"));
+    assert!(String::from_utf8_lossy(&unsaid.stderr).contains("--channel"));
+    let round = run(&picture, &format!("{FLOW} -o midplane --channel round"));
+    assert!(!round.status.success() && String::from_utf8_lossy(&round.stderr).contains("round"));
+}
+
+#[test]
+fn one_of_several_capsules_in_a_picture_is_chosen() {
+    let directory = tempfile::tempdir().unwrap();
+    let picture = directory.path().join("capsules.png");
+    write_picture(&picture, &[0.0, 2.3]);
+    let output = run(&picture, &format!("{FLOW} -o midplane"));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && message.contains("2 whole capsule(s)"),
+        "{message}"
+    );
+    for number in [1, 2] {
+        let output = run(&picture, &format!("{FLOW} -o midplane --json --capsule {number}"));
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let ca = answer["ca"].as_f64().unwrap();
+        assert!((ca / CA - 1.0).abs() < 0.1, "{ca}");
+    }
+    let text = directory.path().join("contour.csv");
+    write_contour(&text);
+    let output = run(&text, &format!("{FLOW} -o midplane --capsule 1"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--capsule is for pictures"));
+}
+
+#[test]
+fn a_batch_answers_skips_and_goes_on() {
+    let directory = tempfile::tempdir().unwrap();
+    let in_it = |name: &str| directory.path().join(name);
+    write_contour(&in_it("contour.csv"));
+    let rows = "file,half_width_um,width_um,width_um_deviation\n\
+                contour.csv,,,\n\
+                missing.csv,,,\n\
+                contour.csv,25,,\n\
+                contour.csv,12,,\n";
+    std::fs::write(in_it("table.csv"), rows).unwrap();
+    let batch = |out: &str, options: &str| {
+        Command::new(env!("CARGO_BIN_EXE_capsule-rom"))
+            .args(["identify", "batch"])
+            .arg(in_it("table.csv"))
+            .arg("--out")
+            .arg(in_it(out))
+            .args(format!("{FLOW} -o midplane {options}").split_whitespace())
+            .output()
+            .unwrap()
+    };
+    let output = batch("results.csv", "");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("row 2: ") && message.contains("missing.csv"),
+        "{message}"
+    );
+    assert!(
+        message.contains("row 4: ") && message.contains("the channel"),
+        "{message}"
+    );
+    let results = std::fs::read_to_string(in_it("results.csv")).unwrap();
+    assert_eq!(results.lines().count(), 3, "{results}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("2 identified"));
+    // Interrupted within its last line, it goes on to the same results: what is there is kept.
+    let cut = results.len() - 20;
+    std::fs::write(in_it("results.csv"), &results[..cut]).unwrap();
+    std::fs::write(in_it("table.csv"), rows.replace("missing.csv", "contour.csv")).unwrap();
+    let message = String::from_utf8_lossy(&batch("results.csv", "").stderr).into_owned();
+    assert!(message.contains("row 4: ") && !message.contains("row 2: "), "{message}");
+    let again = std::fs::read_to_string(in_it("results.csv")).unwrap();
+    let mut lines: Vec<&str> = again.lines().collect();
+    assert_eq!(lines.len(), 4, "{again}");
+    lines.remove(2);
+    assert_eq!(lines, results.lines().collect::<Vec<_>>());
+    // Other options are another batch.
+    let other = batch("results.csv", "--scale-error 0.01");
+    assert!(String::from_utf8_lossy(&other.stderr).contains("other options"));
+    assert_eq!(std::fs::read_to_string(in_it("results.csv")).unwrap(), again);
+    // The same answers as JSON lines, and the population.
+    let plot = format!("--json --plot {}", in_it("histograms.svg").display());
+    let output = batch("results.jsonl", &plot);
+    let population: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&population["identified"], &population["failed"]),
+        (&3.into(), &1.into())
+    );
+    let lines = std::fs::read_to_string(in_it("results.jsonl")).unwrap();
+    let first: Value = serde_json::from_str(lines.lines().next().unwrap()).unwrap();
+    let mean = population["ca"]["mean"].as_f64().unwrap();
+    assert!((first["ca"].as_f64().unwrap() / mean - 1.0).abs() < 1e-9);
+    assert!(population["ca"]["standard_error"].as_f64().unwrap() < 1e-9);
+    assert!(
+        std::fs::read_to_string(in_it("histograms.svg"))
+            .unwrap()
+            .contains("G_s")
+    );
 }

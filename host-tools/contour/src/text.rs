@@ -1,10 +1,7 @@
 //! Contours from text files, as ImageJ, MATLAB, dclab and spreadsheets write them.
 
-use anyhow::{Context, Result, bail, ensure};
-use std::path::Path;
-
 /// Unit of a contour's coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Micrometres
     Um,
@@ -13,8 +10,9 @@ pub enum Unit {
 }
 
 /// A contour as the file has it.
-#[derive(Debug, PartialEq)]
-pub struct ContourFile {
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContourText {
+    /// The points.
     pub points: Vec<[f64; 2]>,
     /// The unit, if the headings name one.
     pub unit: Option<Unit>,
@@ -22,10 +20,63 @@ pub struct ContourFile {
     pub format: String,
 }
 
-/// Reads two columns of a text file.
-pub fn read(path: &Path) -> Result<ContourFile> {
-    let bytes = std::fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
-    parse(&decode(&bytes)).with_context(|| path.display().to_string())
+/// The fault of a contour's text.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextError {
+    /// Nothing that looks like points.
+    #[error("it holds no line with two numbers: expected the points' coordinates, one point a line")]
+    NoPoints,
+    /// A cell that should be a number.
+    #[error("line {line}: \"{cell}\" is no number")]
+    NoNumber {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The cell.
+        cell: String,
+    },
+    /// More columns than two, and no headings that tell which count.
+    #[error(
+        "it has {width} columns{}{names}: two are needed, or headings that begin with x and y",
+        if names.is_empty() { "" } else { ": " }
+    )]
+    Columns {
+        /// How many.
+        width: usize,
+        /// Their headings, if there are any.
+        names: String,
+    },
+    /// The headings name another unit than the caller.
+    #[error("its headings say {named} and the unit is given as {given}: one of them is wrong")]
+    Units {
+        /// The headings' unit.
+        named: Unit,
+        /// The caller's.
+        given: Unit,
+    },
+    /// No unit is known.
+    #[error("the unit of its numbers is not known: give --unit um, or --pixel-um with the size of a pixel")]
+    NoUnit,
+    /// Pixels of unknown size.
+    #[error("it is in pixels: give --pixel-um with the size of a pixel")]
+    NoScale,
+}
+
+impl std::fmt::Display for Unit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Um => "um",
+            Self::Px => "pixels",
+        })
+    }
+}
+
+/// Reads two columns of a text.
+///
+/// # Errors
+/// A text without two columns of numbers.
+pub fn read(bytes: &[u8]) -> Result<ContourText, TextError> {
+    parse(&decode(bytes))
 }
 
 /// Text in UTF-8 or UTF-16 with its mark, else in the Western code page of old spreadsheets.
@@ -99,7 +150,7 @@ impl Separator {
     }
 }
 
-fn parse(text: &str) -> Result<ContourFile> {
+fn parse(text: &str) -> Result<ContourText, TextError> {
     let lines: Vec<(usize, &str)> = text
         .lines()
         .enumerate()
@@ -112,8 +163,7 @@ fn parse(text: &str) -> Result<ContourFile> {
         cells.iter().filter(|cell| separator.number(cell).is_some()).count()
     };
     let first = lines.iter().position(|(_, line)| numbers(line) >= 2);
-    let first =
-        first.context("it holds no line with two numbers: expected the points' coordinates, one point a line")?;
+    let first = first.ok_or(TextError::NoPoints)?;
     let separator = Separator::of(lines[first].1);
     let headings = first.checked_sub(1).map(|above| separator.cells(lines[above].1));
     let rows: Vec<(usize, Vec<&str>)> = lines[first..]
@@ -128,7 +178,10 @@ fn parse(text: &str) -> Result<ContourFile> {
         let value = |column: usize| {
             let cell = cells.get(column).copied().unwrap_or_default();
             let value = separator.number(cell);
-            value.with_context(|| format!("line {number}: \"{cell}\" is no number"))
+            value.ok_or_else(|| TextError::NoNumber {
+                line: *number,
+                cell: cell.to_owned(),
+            })
         };
         points.push([value(x)?, value(y)?]);
     }
@@ -149,11 +202,15 @@ fn parse(text: &str) -> Result<ContourFile> {
             None => "",
         }
     );
-    Ok(ContourFile { points, unit, format })
+    Ok(ContourText { points, unit, format })
 }
 
 /// The columns of x and y: by their headings, else the only two, or the two behind an index.
-fn columns(headings: Option<&[&str]>, rows: &[(usize, Vec<&str>)], separator: Separator) -> Result<[usize; 2]> {
+fn columns(
+    headings: Option<&[&str]>,
+    rows: &[(usize, Vec<&str>)],
+    separator: Separator,
+) -> Result<[usize; 2], TextError> {
     let width = rows[0].1.len();
     if let Some(headings) = headings {
         let named = |name: char| {
@@ -178,13 +235,10 @@ fn columns(headings: Option<&[&str]>, rows: &[(usize, Vec<&str>)], separator: Se
     match width {
         2 => Ok([0, 1]),
         3 if index() => Ok([1, 2]),
-        _ => {
-            let names = headings.map(|headings| headings.join(", ")).unwrap_or_default();
-            bail!(
-                "it has {width} columns{}{names}: two are needed, or headings that begin with x and y",
-                if names.is_empty() { "" } else { ": " }
-            )
-        }
+        _ => Err(TextError::Columns {
+            width,
+            names: headings.map(|headings| headings.join(", ")).unwrap_or_default(),
+        }),
     }
 }
 
@@ -201,28 +255,23 @@ fn unit(heading: &str) -> Option<Unit> {
     }
 }
 
-/// The points in um, and a pixel in um if it is known.
-pub fn in_um(
-    contour: &ContourFile,
-    given: Option<Unit>,
-    pixel_um: Option<f64>,
-) -> Result<(Vec<[f64; 2]>, Option<f64>)> {
-    if let (Some(named), Some(given)) = (contour.unit, given) {
-        ensure!(
-            named == given,
-            "its headings say {named:?} and --unit says {given:?}: one of them is wrong"
-        );
-    }
-    let unit = given.or(contour.unit).or(pixel_um.map(|_| Unit::Px));
-    match (unit, pixel_um) {
-        (None, _) => {
-            bail!("the unit of its numbers is not known: give --unit um, or --pixel-um with the size of a pixel")
+impl ContourText {
+    /// The points in um; `given` is the unit that the caller states.
+    ///
+    /// # Errors
+    /// A unit that is not known or contradicts the headings; pixels of unknown size.
+    pub fn in_um(&self, given: Option<Unit>, pixel_um: Option<f64>) -> Result<Vec<[f64; 2]>, TextError> {
+        if let (Some(named), Some(given)) = (self.unit, given)
+            && named != given
+        {
+            return Err(TextError::Units { named, given });
         }
-        (Some(Unit::Px), None) => bail!("it is in pixels: give --pixel-um with the size of a pixel"),
-        (Some(Unit::Um), pixel) => Ok((contour.points.clone(), pixel)),
-        (Some(Unit::Px), Some(pixel)) => {
-            let scaled = |point: &[f64; 2]| point.map(|x| x * pixel);
-            Ok((contour.points.iter().map(scaled).collect(), Some(pixel)))
+        let unit = given.or(self.unit).or(pixel_um.map(|_| Unit::Px));
+        match (unit, pixel_um) {
+            (None, _) => Err(TextError::NoUnit),
+            (Some(Unit::Px), None) => Err(TextError::NoScale),
+            (Some(Unit::Um), _) => Ok(self.points.clone()),
+            (Some(Unit::Px), Some(pixel)) => Ok(self.points.iter().map(|point| point.map(|x| x * pixel)).collect()),
         }
     }
 }
@@ -277,16 +326,16 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_named() {
-        let error = |text: &str| format!("{:#}", parse(text).unwrap_err());
+        let error = |text: &str| parse(text).unwrap_err().to_string();
         assert!(error("").contains("no line with two numbers"));
         assert!(error("a,b\nc,d\n").contains("no line with two numbers"));
         assert!(error("1,2,3\n4,5,6\n").contains("3 columns"));
         assert_eq!(error("1,2\n3,nan\n"), "line 2: \"nan\" is no number");
         assert!(error("area,mean,length\n1,2,3\n1,2,3\n").contains("area, mean, length"));
         let contour = parse("1,2\n3,4\n").unwrap();
-        let error = |given, pixel| format!("{:#}", in_um(&contour, given, pixel).unwrap_err());
+        let error = |given, pixel| contour.in_um(given, pixel).unwrap_err().to_string();
         assert!(error(None, None).contains("--unit um"));
         assert!(error(Some(Unit::Px), None).contains("--pixel-um"));
-        assert_eq!(in_um(&contour, None, Some(0.5)).unwrap().0, [[0.5, 1.0], [1.5, 2.0]]);
+        assert_eq!(contour.in_um(None, Some(0.5)).unwrap(), [[0.5, 1.0], [1.5, 2.0]]);
     }
 }

@@ -1,5 +1,7 @@
 //! The answer of `capsule-rom identify`, as JSON and as text.
 
+use super::outline::Outline;
+use super::picture::{Summary, turned};
 use crate::{model, print};
 use anyhow::Result;
 use capsule_core::Model;
@@ -49,6 +51,10 @@ pub struct Answer {
     alternative: Option<Other>,
     #[serde(skip_serializing_if = "Option::is_none")]
     contour: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<Summary>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
     model_digest: String,
     errors_against: String,
 }
@@ -63,7 +69,18 @@ struct Other {
 
 impl Answer {
     /// The answer with what was done to find it; `blur_um` is the way of the capsule in the exposure.
-    pub fn new(model: &Model<'_>, found: &Identification, blur_um: Option<f64>, contour: Option<&str>) -> Self {
+    pub fn new(
+        model: &Model<'_>,
+        found: &Identification,
+        outline: Option<&Outline>,
+        blur_um: Option<f64>,
+        warnings: Vec<String>,
+    ) -> Self {
+        let seen = outline.and_then(|outline| outline.seen.as_ref());
+        let direction = match seen {
+            Some(_) => turned(found.direction),
+            None => found.direction,
+        };
         let three = |estimate: Estimate| (estimate.value, ends(estimate.interval_68), ends(estimate.interval_95));
         let (ca, ca_68, ca_95) = three(found.capillary_number);
         let (confinement, confinement_68, confinement_95) = three(found.confinement);
@@ -95,17 +112,23 @@ impl Answer {
             edge_um: found.edge_um,
             scale_error: found.scale_error,
             tilt_degrees: found.tilt.to_degrees(),
-            flow: found.direction.name(),
+            flow: direction.name(),
             blur_um,
             alternative: found.alternative.map(|other| Other {
                 ca: other.capillary_number,
                 confinement: other.confinement,
                 rise_of_chi_squared: other.rise,
             }),
-            contour: contour.map(str::to_owned),
+            contour: outline.map(|outline| outline.note.clone()),
+            picture: seen.map(|seen| seen.summary.clone()),
+            warnings,
             model_digest: model::digest(model),
             errors_against: model.errors_against().to_string(),
         }
+    }
+
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Prints the answer as text.
