@@ -173,7 +173,7 @@ impl Fitter<'_, '_, '_> {
             }
             let found = match local.as_ref().and_then(|local| local.sum(theta)) {
                 Some(found) => Some(found),
-                None => Self::profiled(data, &fitter.shapes.at(theta)?, &fit.unknowns).map(|(found, _)| found),
+                None => Self::profiled(data, &fitter.shapes.at(theta)?, &fit.nuisances).map(|(found, _)| found),
             };
             Ok(found.map(|found| found - sum))
         };

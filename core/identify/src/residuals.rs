@@ -2,7 +2,7 @@
 //!
 //! A point's residual is its distance from the model's curve along the normal, less the edge's offset and the model's
 //! own error. That error is a smooth function of the place along the curve, a sum of cosines with coefficients around 0
-//! that are unknowns like the others: so errors of the model widen the intervals as much as they can move the answer,
+//! that are nuisance parameters like the rest: so errors of the model widen the intervals as much as they can move the answer,
 //! and are not averaged away as if they were noise.
 
 use crate::curve::{Curve, MAX_HALF, dot};
@@ -13,10 +13,10 @@ use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, Sensitivity
 pub(crate) const MODES: usize = 24;
 /// Unknowns beside the capsule's two.
 pub(crate) const NUISANCES: usize = MODE + MODES;
-/// All unknowns: ln Ca, a/l, then the others.
+/// All unknowns: ln Ca, a/l, then the nuisance parameters.
 pub(crate) const UNKNOWNS: usize = 2 + NUISANCES;
 
-/// Place of the shift along the flow among the others.
+/// Place of the shift along the flow among the nuisance parameters.
 pub(crate) const SHIFT: usize = 0;
 /// Place of the tilt.
 pub(crate) const TILT: usize = 2;
@@ -28,7 +28,7 @@ pub(crate) const SCALE: usize = 4;
 const MODE: usize = 5;
 
 /// Standard deviation that stands for no knowledge: of a shift, in l.
-const FREE: f64 = 10.0;
+const FLAT: f64 = 10.0;
 /// Standard deviation that stands for certainty.
 const EXACT: f64 = 1e-9;
 
@@ -61,13 +61,13 @@ pub(crate) struct Data<'p> {
 
 /// The normal equations of a least-squares problem.
 #[derive(Clone, Debug)]
-pub(crate) struct Normal {
+pub(crate) struct NormalEquations {
     pub(crate) sum: f64,
     pub(crate) gradient: [f64; UNKNOWNS],
     pub(crate) matrix: [[f64; UNKNOWNS]; UNKNOWNS],
 }
 
-impl Normal {
+impl NormalEquations {
     const ZERO: Self = Self {
         sum: 0.0,
         gradient: [0.0; UNKNOWNS],
@@ -97,7 +97,7 @@ impl<'p> Data<'p> {
         noise: f64,
     ) -> Self {
         let edge = priors.edge_um / half_width_um;
-        let mut deviations = [FREE, FREE, priors.tilt, edge, priors.scale];
+        let mut deviations = [FLAT, FLAT, priors.tilt, edge, priors.scale];
         if points.is_empty() {
             // Lengths do not tell where the capsule is.
             deviations[..EDGE].fill(EXACT);
@@ -120,18 +120,18 @@ impl<'p> Data<'p> {
         }
     }
 
-    /// A point as the unknowns place it, and its derivatives by tilt and scale.
-    fn moved(&self, [x, y]: [f64; 2], unknowns: &[f64; NUISANCES]) -> [[f64; 2]; 3] {
+    /// A point as the nuisances place it, and its derivatives by tilt and scale.
+    fn displaced(&self, [x, y]: [f64; 2], nuisances: &[f64; NUISANCES]) -> [[f64; 2]; 3] {
         let (cos, sin, grown) = (
-            libm::cos(unknowns[TILT]),
-            libm::sin(unknowns[TILT]),
-            1.0 + unknowns[SCALE],
+            libm::cos(nuisances[TILT]),
+            libm::sin(nuisances[TILT]),
+            1.0 + nuisances[SCALE],
         );
         let turned = [cos * x + sin * y, cos * y - sin * x];
         [
             [
-                grown * turned[0] - unknowns[SHIFT],
-                grown * turned[1] - unknowns[SHIFT + 1],
+                grown * turned[0] - nuisances[SHIFT],
+                grown * turned[1] - nuisances[SHIFT + 1],
             ],
             [grown * turned[1], -grown * turned[0]],
             turned,
@@ -140,14 +140,14 @@ impl<'p> Data<'p> {
 
     /// Residual of a point without the model's error, its place along the curve, and its row but for the capsule's
     /// part.
-    fn residual(&self, curve: &Curve, place: [f64; 2], unknowns: &[f64; NUISANCES]) -> Residual {
-        let [place, by_tilt, by_scale] = self.moved(place, unknowns);
+    fn residual(&self, curve: &Curve, place: [f64; 2], nuisances: &[f64; NUISANCES]) -> Residual {
+        let [place, by_tilt, by_scale] = self.displaced(place, nuisances);
         let side = if place[1] < 0.0 { -1.0 } else { 1.0 };
         let foot = curve.nearest([place[0], side * place[1]]);
         let normal = [foot.normal[0], side * foot.normal[1]];
         Residual {
             along: foot.place,
-            value: foot.distance - unknowns[EDGE],
+            value: foot.distance - nuisances[EDGE],
             row: [
                 -normal[0],
                 -normal[1],
@@ -159,42 +159,47 @@ impl<'p> Data<'p> {
     }
 
     /// The residual of a place, in l, less the model's error; its place along the curve, and whether it lies below.
-    pub(crate) fn left(&self, curve: &Curve, place: [f64; 2], unknowns: &[f64; NUISANCES]) -> (f64, f64, bool) {
-        let residual = self.residual(curve, place, unknowns);
+    pub(crate) fn point_residual(
+        &self,
+        curve: &Curve,
+        place: [f64; 2],
+        nuisances: &[f64; NUISANCES],
+    ) -> (f64, f64, bool) {
+        let residual = self.residual(curve, place, nuisances);
         let modes = cosines(curve, residual.along);
-        let error: f64 = modes.iter().zip(&unknowns[MODE..]).map(|(mode, c)| mode * c).sum();
-        let [[_, y], ..] = self.moved(place, unknowns);
+        let error: f64 = modes.iter().zip(&nuisances[MODE..]).map(|(mode, c)| mode * c).sum();
+        let [[_, y], ..] = self.displaced(place, nuisances);
         (residual.value - error, residual.along, y < 0.0)
     }
 
     /// The outward normal at a place of the contour, in its frame.
-    pub(crate) fn normal_at(&self, curve: &Curve, place: [f64; 2], unknowns: &[f64; NUISANCES]) -> [f64; 2] {
+    pub(crate) fn normal_at(&self, curve: &Curve, place: [f64; 2], nuisances: &[f64; NUISANCES]) -> [f64; 2] {
         let [x, y] = self
-            .residual(curve, place, unknowns)
+            .residual(curve, place, nuisances)
             .row
             .first_chunk::<2>()
             .map_or([0.0; 2], |n| n.map(|x| -x));
-        let (cos, sin) = (libm::cos(unknowns[TILT]), libm::sin(unknowns[TILT]));
+        let (cos, sin) = (libm::cos(nuisances[TILT]), libm::sin(nuisances[TILT]));
         [cos * x - sin * y, cos * y + sin * x]
     }
 
-    /// Each residual at a place, with its weight, its derivatives by the unknowns beside the two, and where its
+    /// Each residual at a place, with its weight, its derivatives by the nuisances beside the two, and where its
     /// derivatives by the two are to be looked up.
-    pub(crate) fn rows(
+    pub(crate) fn jacobian_rows(
         &self,
         shape: &Shape,
-        unknowns: &[f64; NUISANCES],
+        nuisances: &[f64; NUISANCES],
         mut each: impl FnMut(f64, f64, &[f64; NUISANCES], Place),
     ) {
         let curve = &shape.curve;
         let precision = 1.0 / (self.noise * self.noise);
         for point in self.points {
-            let residual = self.residual(curve, point.place, unknowns);
+            let residual = self.residual(curve, point.place, nuisances);
             let mut row = [0.0; NUISANCES];
             row[..MODE].copy_from_slice(&residual.row);
             let mut value = residual.value;
             let modes = cosines(curve, residual.along);
-            for ((entry, mode), coefficient) in row[MODE..].iter_mut().zip(modes).zip(&unknowns[MODE..]) {
+            for ((entry, mode), coefficient) in row[MODE..].iter_mut().zip(modes).zip(&nuisances[MODE..]) {
                 value -= mode * coefficient;
                 *entry = -mode;
             }
@@ -213,7 +218,7 @@ impl<'p> Data<'p> {
             };
             let mut row = [0.0; NUISANCES];
             (row[EDGE], row[SCALE]) = (-edge, scale);
-            let residual = value + scale * unknowns[SCALE] - edge * unknowns[EDGE] - shape.scalars[s];
+            let residual = value + scale * nuisances[SCALE] - edge * nuisances[EDGE] - shape.scalars[s];
             // A length errs as the outline does; the radius is what is asked for.
             let own = if s == RADIUS {
                 0.0
@@ -227,7 +232,7 @@ impl<'p> Data<'p> {
                 Place::Scalar(s),
             );
         }
-        for (nuisance, value) in unknowns.iter().enumerate() {
+        for (nuisance, value) in nuisances.iter().enumerate() {
             let deviation = self.deviation(nuisance);
             let mut row = [0.0; NUISANCES];
             row[nuisance] = 1.0;
@@ -240,16 +245,16 @@ impl<'p> Data<'p> {
         &self,
         shape: &Shape,
         sensitivity: Option<&Sensitivity>,
-        unknowns: &[f64; NUISANCES],
-    ) -> Normal {
-        let mut normal = Normal::ZERO;
-        self.rows(shape, unknowns, |weight, residual, others, place| {
+        nuisances: &[f64; NUISANCES],
+    ) -> NormalEquations {
+        let mut normal = NormalEquations::ZERO;
+        self.jacobian_rows(shape, nuisances, |weight, residual, by_nuisances, place| {
             let mut row = [0.0; UNKNOWNS];
             if let Some(sensitivity) = sensitivity {
                 let own = place.value(&shape.curve, &sensitivity.outward, &sensitivity.scalars);
                 row[..2].copy_from_slice(&own.map(|derivative| -derivative));
             }
-            row[2..].copy_from_slice(others);
+            row[2..].copy_from_slice(by_nuisances);
             normal.add(weight, residual, &row);
         });
         for i in 0..UNKNOWNS {

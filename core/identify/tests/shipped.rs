@@ -362,7 +362,10 @@ fn bad_contours_are_named() {
     assert_eq!(error(&circle(11, 20.0, 1.0)), ContourError::TooFewPoints { found: 11 });
     assert!(matches!(
         error(&circle(101, 20.0, 1.0)),
-        ContourError::TooManyPoints { found: 101, room: 100 }
+        ContourError::TooManyPoints {
+            found: 101,
+            capacity: 100
+        }
     ));
     assert!(matches!(
         error(&circle(90, 27.0, 1.0)),
