@@ -170,7 +170,10 @@ fn derivatives_of_the_weights_are_limits_of_differences() {
                 weights.iter().enumerate().map(|(j, weight)| weight * value(j)).sum()
             };
             let (single, exact) = (of(&single[d]), of(&exact[d]));
-            assert!((single - exact).abs() < 1e-3 * exact.abs(), "{query:?} {d}: {single} {exact}");
+            assert!(
+                (single - exact).abs() < 1e-3 * exact.abs(),
+                "{query:?} {d}: {single} {exact}"
+            );
         }
     }
 }
