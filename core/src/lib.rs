@@ -68,7 +68,7 @@ pub use instant::Instant;
 pub use scene::{Frame, Nodes, Scene};
 pub use surface::observables::Observables;
 pub use surface::section::{Segment, section};
-pub use surface::silhouette::silhouette;
+pub use surface::silhouette::{silhouette, silhouette_derivatives};
 // Errors.
 pub use error::EvaluateError;
 #[cfg(feature = "write")]
