@@ -139,7 +139,7 @@ fn errors_of_movement(frequency: i32, angle: f64) -> [f64; 3] {
     let by_b: Vec<_> = nodes.iter().map(|[_, y, z]| [0.0, *y, *z]).collect();
     let along: Vec<_> = nodes.iter().map(|[x, y, _]| [-a * y, b * x, 0.0]).collect();
     let mut normals = vec![[0.0; 3]; mesh.sector_nodes().len()];
-    let (mut out, mut plain, mut movement) = ([[0.0; 2]; COUNT], [[0.0; 2]; COUNT], [[0.0; 3]; COUNT]);
+    let (mut out, mut plain, mut movement) = ([[0.0; 2]; COUNT], [[0.0; 2]; COUNT], [[[0.0; 2]; 3]; COUNT]);
     let (fields, across) = ([&*by_a, &*by_b, &*along], [angle.cos(), angle.sin()]);
     silhouette_derivatives(&mesh, &positions, fields, across, &mut normals, &mut out, &mut movement).unwrap();
     silhouette(&mesh, &positions, across, &mut normals, &mut plain).unwrap();
@@ -151,6 +151,8 @@ fn errors_of_movement(frequency: i32, angle: f64) -> [f64; 3] {
     for ([x, w], found) in plain.into_iter().zip(movement) {
         // x^2 / a^2 + w^2 / b^2 = 1 moves by its change over the length of its gradient.
         let gradient = (x / (a * a)).hypot(w / (b * b));
+        let normal = [x / (a * a) / gradient, w / (b * b) / gradient];
+        let found = found.map(|[dx, dw]: [f64; 2]| dx * normal[0] + dw * normal[1]);
         let exact = [x * x / (a * a * a) / gradient, w * w / (b * b * b) / gradient, 0.0];
         (0..3).for_each(|d| errors[d] = errors[d].max((found[d] - exact[d]).abs()));
     }

@@ -144,29 +144,6 @@ impl Fitter<'_, '_, '_> {
         Some((reduced.sum, reduced.displaced(nuisances, [0.0; 2])))
     }
 
-    pub(crate) fn sensitivity(
-        &mut self,
-        side: Side,
-        theta: [f64; 2],
-        shape: &Shape,
-    ) -> Result<Sensitivity, EvaluateError> {
-        let domain = self.domain;
-        let [least, greatest] = domain.confinements();
-        self.shapes.sensitivity(shape, |step| {
-            [-1.0, 1.0].map(|sign| {
-                let confinement = (theta[1] + sign * step[1]).clamp(least, greatest);
-                let ca = theta[0] + sign * step[0];
-                match domain.range(side, confinement) {
-                    // The other parameter stays, or the difference is none of this one.
-                    Some([low, high]) if step[1] == 0.0 || (low <= ca && ca <= high) => {
-                        [ca.clamp(low, high), confinement]
-                    }
-                    _ => theta,
-                }
-            })
-        })
-    }
-
     /// A step that stays in the domain: at an edge along it.
     fn step(&self, reduced: &Reduced, side: Side, theta: [f64; 2], damping: f64) -> [f64; 2] {
         const AT: f64 = 1e-7;
@@ -216,7 +193,7 @@ impl Fitter<'_, '_, '_> {
         };
         let mut damping = 1e-4;
         for step in 0..STEPS {
-            let sensitivity = self.sensitivity(side, theta, &shape)?;
+            let sensitivity = self.shapes.sensitivity(&shape, theta)?;
             let normal = data.normal(&shape, Some(&sensitivity), &nuisances);
             let Some(reduced) = Reduced::new(&normal) else {
                 return Ok(None);

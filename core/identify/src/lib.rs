@@ -38,5 +38,7 @@ pub use identification::{Alternative, Estimate, Frame, Identification, Verdict};
 pub use measurement::{Contour, Direction, Flow, Lengths, Measured, Measurement, Priors, Setup};
 pub use profile::Interval;
 pub use residuals::Point;
-pub use shapes::{HALF_WIDTH, LENGTH, Memory, Observable, RADIUS, REAR_DEPTH, SCALARS, Shape, Shapes, Store, VELOCITY};
+pub use shapes::{
+    HALF_WIDTH, LENGTH, Memory, NODES_ROOM, Observable, RADIUS, REAR_DEPTH, SCALARS, Shape, Shapes, Store, VELOCITY,
+};
 pub use solve::identify;

@@ -147,6 +147,7 @@ impl<'p> Data<'p> {
         let normal = [foot.normal[0], side * foot.normal[1]];
         Residual {
             along: foot.place,
+            normal: foot.normal,
             value: foot.distance - nuisances[EDGE],
             row: [
                 -normal[0],
@@ -203,7 +204,7 @@ impl<'p> Data<'p> {
                 value -= mode * coefficient;
                 *entry = -mode;
             }
-            each(precision * point.weight, value, &row, Place::Along(residual.along));
+            each(precision * point.weight, value, &row, residual.place());
         }
         for (s, measured) in self.scalars.iter().enumerate() {
             let Some(Measured { value, deviation }) = *measured else {
@@ -251,7 +252,11 @@ impl<'p> Data<'p> {
         self.jacobian_rows(shape, nuisances, |weight, residual, by_nuisances, place| {
             let mut row = [0.0; UNKNOWNS];
             if let Some(sensitivity) = sensitivity {
-                let own = place.value(&shape.curve, &sensitivity.outward, &sensitivity.scalars);
+                let own = match place {
+                    Place::Along { place, normal } => sensitivity.outward(place, normal),
+                    Place::Scalar(scalar) => sensitivity.scalars[scalar],
+                    Place::Nowhere => [0.0; 2],
+                };
                 row[..2].copy_from_slice(&own.map(|derivative| -derivative));
             }
             row[2..].copy_from_slice(by_nuisances);
@@ -269,8 +274,8 @@ impl<'p> Data<'p> {
 /// Where a residual has its derivatives by Ca and a/l.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
-    /// At a place of the curve.
-    Along(f64),
+    /// At a place of the curve with a normal.
+    Along { place: f64, normal: [f64; 2] },
     /// Those of a scalar.
     Scalar(usize),
     /// It has none.
@@ -285,7 +290,7 @@ impl Place {
         scalars: &[[f64; W]; SCALARS],
     ) -> [f64; W] {
         match self {
-            Self::Along(place) => curve.value(outward, place),
+            Self::Along { place, .. } => curve.value(outward, place),
             Self::Scalar(scalar) => scalars[scalar],
             Self::Nowhere => [0.0; W],
         }
@@ -301,8 +306,19 @@ fn spectrum(k: usize) -> f64 {
 
 struct Residual {
     along: f64,
+    /// The curve's outward normal there, on the side y >= 0.
+    normal: [f64; 2],
     value: f64,
     row: [f64; MODE],
+}
+
+impl Residual {
+    fn place(&self) -> Place {
+        Place::Along {
+            place: self.along,
+            normal: self.normal,
+        }
+    }
 }
 
 /// cos(k pi s) at a share s of the way along the curve.

@@ -15,7 +15,7 @@ impl Bench {
     fn new(model: &Model<'_>) -> Self {
         Self {
             workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
             normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
         }
     }

@@ -44,10 +44,11 @@ pub fn silhouette<T: Real>(
     trace(mesh, positions, [], across, normals, out, &mut [])
 }
 
-/// The silhouette, and how far each point of it moves outward, along the normal, for derivatives of the positions (those
-/// of [`Derivatives::positions`](crate::Derivatives::positions), for all nodes): into `movement`, as many as there is
-/// room for in `out`. Along the rim the line of sight touches the surface, so to first order the outline moves as the
-/// projection of the membrane there does; that the rim wanders over the membrane does not count.
+/// The silhouette, and derivatives of its points for derivatives of the positions (those of
+/// [`Derivatives::positions`](crate::Derivatives::positions), for all nodes): of the place of the membrane that is seen
+/// there, projected, into `movement`, as many as there is room for in `out`. What moves the outline is the part along
+/// its normal: along the rim the line of sight touches the surface, so to first order it does not count that the rim
+/// wanders over the membrane.
 ///
 /// # Errors
 /// Those of [`silhouette`]; [`EvaluateError::BufferTooShort`] for the derivatives or `movement`.
@@ -58,7 +59,7 @@ pub fn silhouette_derivatives<T: Real, const D: usize>(
     across: [T; 2],
     normals: &mut [[T; 3]],
     out: &mut [[T; 2]],
-    movement: &mut [[T; D]],
+    movement: &mut [[[T; 2]; D]],
 ) -> Result<(), EvaluateError> {
     let movement = prefix_mut(movement, out.len())?;
     trace(mesh, positions, derivatives, across, normals, out, movement)
@@ -72,7 +73,7 @@ fn trace<T: Real, const D: usize>(
     across: [T; 2],
     normals: &mut [[T; 3]],
     out: &mut [[T; 2]],
-    movement: &mut [[T; D]],
+    movement: &mut [[[T; 2]; D]],
 ) -> Result<(), EvaluateError> {
     const LEAST: usize = 3;
     let short = |required, found| Err(EvaluateError::BufferTooShort { required, found });
@@ -83,6 +84,7 @@ fn trace<T: Real, const D: usize>(
     if out.len() < LEAST {
         return short(LEAST, out.len());
     }
+    let positions = positions.get(..mesh.nodes()).unwrap_or_default();
     let normals = prefix_mut(normals, mesh.sector_nodes().len())?;
     fill_normals(mesh, positions, normals);
     let extent = positions
@@ -163,12 +165,12 @@ struct Node<T, const D: usize> {
     derivatives: [[T; 3]; D],
 }
 
-/// A point of the projection, the direction of the surface's normal there, and how far it moves along that.
+/// A point of the projection, the direction of the surface's normal there, and the point's derivatives.
 #[derive(Clone, Copy)]
 struct Rim<T, const D: usize> {
     place: [T; 2],
     normal: [T; 2],
-    movement: [T; D],
+    movement: [[T; 2]; D],
 }
 
 struct View<T> {
@@ -211,10 +213,7 @@ impl<T: Real> View<T> {
         };
         let (n, m) = (nodes[a].normal, nodes[b].normal);
         let normal = self.project([0, 1, 2].map(|axis| between(n[axis], m[axis])));
-        let movement = core::array::from_fn(|d| {
-            let [x, w] = at(&|node| node.derivatives[d]);
-            (x * normal[0] + w * normal[1]) / (normal[0] * normal[0] + normal[1] * normal[1]).sqrt()
-        });
+        let movement = core::array::from_fn(|d| at(&|node| node.derivatives[d]));
         Rim {
             place: at(&|node| node.position),
             normal,
@@ -229,11 +228,11 @@ struct Rays<'o, T, const D: usize> {
     /// Rays from one half's end to the middle: (count - 1) / 2.
     half: T,
     out: &'o mut [[T; 2]],
-    movement: &'o mut [[T; D]],
+    movement: &'o mut [[[T; 2]; D]],
 }
 
 impl<'o, T: Real, const D: usize> Rays<'o, T, D> {
-    fn new(middle: T, out: &'o mut [[T; 2]], movement: &'o mut [[T; D]]) -> Self {
+    fn new(middle: T, out: &'o mut [[T; 2]], movement: &'o mut [[[T; 2]; D]]) -> Self {
         out.fill([T::ZERO; 2]);
         let half = T::from_f32(0.5) * T::from_index(out.len() - 1);
         Self {
@@ -290,7 +289,8 @@ impl<'o, T: Real, const D: usize> Rays<'o, T, D> {
                 *radius = found;
                 if let Some(own) = self.movement.get_mut(number) {
                     let [from, to] = movement;
-                    *own = core::array::from_fn(|d| from[d] + share * (to[d] - from[d]));
+                    let between = |d: usize, axis: usize| from[d][axis] + share * (to[d][axis] - from[d][axis]);
+                    *own = core::array::from_fn(|d| [between(d, 0), between(d, 1)]);
                 }
             }
         }

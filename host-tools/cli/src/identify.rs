@@ -9,8 +9,8 @@ use crate::print;
 use anyhow::{Context, Result, bail, ensure};
 use capsule_core::Model;
 use capsule_identify::{
-    Contour, Direction, Flow, Grid, Lengths, MAX_HALF, Measured, Measurement, Memory, Observable, Point, Priors, Setup,
-    Shapes, Store, VELOCITY, identify,
+    Contour, Direction, Flow, Grid, Lengths, MAX_HALF, Measured, Measurement, Memory, NODES_ROOM, Observable, Point,
+    Priors, Setup, Shapes, Store, VELOCITY, identify,
 };
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -322,7 +322,7 @@ impl Bench {
     fn new(model: &Model<'_>, points: usize) -> Self {
         Self {
             workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
             normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
             points: vec![Point::default(); points],
         }

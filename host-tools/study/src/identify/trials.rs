@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use capsule_core::Model;
 use capsule_identify::{
-    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Memory, Observable, Point, Priors,
-    Setup, Shapes, Store, identify,
+    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Memory, NODES_ROOM, Observable,
+    Point, Priors, Setup, Shapes, Store, identify,
 };
 
 use super::truth::{Drawing, HALF_WIDTH_UM, Truth, contour};
@@ -24,7 +24,7 @@ impl Bench {
     pub(crate) fn new(model: &Model<'_>) -> Self {
         Self {
             workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
             normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
             points: vec![Point::default(); 4096],
         }
