@@ -4,7 +4,7 @@
 pub const MAX_HALF: usize = 96;
 
 /// Half of an outline that is symmetric about the x axis: cubics through points from the front to the rear, y >= 0.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Curve {
     count: usize,
     points: [[f64; 2]; MAX_HALF],

@@ -13,6 +13,16 @@ const TRIALS: usize = 6;
 /// A step that is shorter than this share of the standard deviations ends the fit.
 const CLOSE: f64 = 0.01;
 
+/// How a fit gets derivatives of the outline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slopes {
+    /// Those of the interpolation: cheap, but they jump where a sample enters or leaves its nearest ones, so that steps
+    /// end a little beside the minimum.
+    Local,
+    /// Differences over a short way, which level that out.
+    Secant,
+}
+
 /// Where a fit has ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
@@ -144,6 +154,34 @@ impl Fitter<'_, '_, '_> {
         Some((reduced.sum, reduced.displaced(nuisances, [0.0; 2])))
     }
 
+    /// Derivatives at a place; differences stay in the domain.
+    fn sensitivity(
+        &mut self,
+        slopes: Slopes,
+        side: Side,
+        theta: [f64; 2],
+        shape: &Shape,
+    ) -> Result<Sensitivity, EvaluateError> {
+        if slopes == Slopes::Local {
+            return self.shapes.derivatives(shape, theta);
+        }
+        let domain = self.domain;
+        let [least, greatest] = domain.confinements();
+        self.shapes.secants(shape, |step| {
+            [-1.0, 1.0].map(|sign| {
+                let confinement = (theta[1] + sign * step[1]).clamp(least, greatest);
+                let ca = theta[0] + sign * step[0];
+                match domain.range(side, confinement) {
+                    // The other parameter stays, or the difference is none of this one.
+                    Some([low, high]) if step[1] == 0.0 || (low <= ca && ca <= high) => {
+                        [ca.clamp(low, high), confinement]
+                    }
+                    _ => theta,
+                }
+            })
+        })
+    }
+
     /// A step that stays in the domain: at an edge along it.
     fn step(&self, reduced: &Reduced, side: Side, theta: [f64; 2], damping: f64) -> [f64; 2] {
         const AT: f64 = 1e-7;
@@ -182,6 +220,7 @@ impl Fitter<'_, '_, '_> {
         data: &Data<'_>,
         side: Side,
         start: [f64; 2],
+        slopes: Slopes,
         nuisances: [f64; NUISANCES],
     ) -> Result<Option<Fit>, EvaluateError> {
         let mut theta = self.domain.clamp(side, start, start);
@@ -193,7 +232,7 @@ impl Fitter<'_, '_, '_> {
         };
         let mut damping = 1e-4;
         for step in 0..STEPS {
-            let sensitivity = self.shapes.sensitivity(&shape, theta)?;
+            let sensitivity = self.sensitivity(slopes, side, theta, &shape)?;
             let normal = data.normal(&shape, Some(&sensitivity), &nuisances);
             let Some(reduced) = Reduced::new(&normal) else {
                 return Ok(None);

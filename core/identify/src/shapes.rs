@@ -29,6 +29,10 @@ pub struct Memory<'w> {
     pub normals: &'w mut [[f32; 3]],
 }
 
+/// Steps of the differences that give derivatives, in ln Ca and a/l. The outline of the shipped model comes with a
+/// rounding of 1e-5 l and changes by 0.05 to 0.3 l per unit of ln Ca, by 0.5 to 2 l per unit of a/l.
+const STEPS: [f64; 2] = [0.02, 0.004];
+
 /// How many vectors each node needs for a silhouette: its position, and the derivatives by both parameters.
 pub const NODES_ROOM: usize = 3;
 
@@ -163,8 +167,53 @@ impl<'a, 'w> Shapes<'a, 'w> {
         Ok(Shape { curve, scalars, bound })
     }
 
-    /// Derivatives of a shape of the model at the place of that shape.
-    pub(crate) fn sensitivity(
+    /// Derivatives of a shape by differences between two places on either side in each parameter, as `ends` gives them
+    /// for the steps: at an edge of the domain one of them may be the place itself.
+    pub(crate) fn secants(
+        &mut self,
+        shape: &Shape,
+        ends: impl Fn([f64; 2]) -> [[f64; 2]; 2],
+    ) -> Result<Sensitivity, EvaluateError> {
+        let mut sensitivity = Sensitivity {
+            curves: [Curve::EMPTY; 2],
+            scalars: [[0.0; 2]; SCALARS],
+        };
+        for (d, step) in STEPS.into_iter().enumerate() {
+            let mut along = [0.0; 2];
+            along[d] = step;
+            let [before, after] = ends(along);
+            let width = after[d] - before[d];
+            let [low, high] = [self.at(before)?, self.at(after)?];
+            let share = if width > 0.0 { 1.0 / width } else { 0.0 };
+            let mut points = [[0.0; 2]; MAX_HALF];
+            for (i, (out, place)) in points.iter_mut().zip(shape.curve.points()).enumerate() {
+                let point = |shape: &Shape| shape.curve.points().get(i).copied().unwrap_or_default();
+                *out = match self.observable {
+                    // The same point of the membrane.
+                    Observable::Midplane => {
+                        let ([x0, y0], [x1, y1]) = (point(&low), point(&high));
+                        [share * (x1 - x0), share * (y1 - y0)]
+                    }
+                    // Other points of the membrane, which may move far along a bent curve.
+                    Observable::Silhouette => {
+                        let distance = |shape: &Shape| shape.curve.nearest_from(i, *place).distance;
+                        let outward = share * (distance(&low) - distance(&high));
+                        shape.curve.normal(i).map(|n| outward * n)
+                    }
+                };
+            }
+            let count = shape.curve.count();
+            sensitivity.curves[d] = Curve::through(points.into_iter().take(count)).unwrap_or(Curve::EMPTY);
+            let scalars = low.scalars.iter().zip(&high.scalars);
+            for (derivative, (low, high)) in sensitivity.scalars.iter_mut().zip(scalars) {
+                derivative[d] = share * (high - low);
+            }
+        }
+        Ok(sensitivity)
+    }
+
+    /// Derivatives of a shape of the model at its place, those of the interpolation.
+    pub(crate) fn derivatives(
         &mut self,
         shape: &Shape,
         [ca, confinement]: [f64; 2],

@@ -2,7 +2,7 @@
 
 use crate::domain::Domain;
 use crate::error::IdentifyError;
-use crate::fit::{Fit, Fitter};
+use crate::fit::{Fit, Fitter, Slopes};
 use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
 use crate::measurement::{Direction, Flow, Measurement};
@@ -154,7 +154,9 @@ impl Solver<'_, '_, '_, '_> {
                     let (theta, nuisances) = fit
                         .as_ref()
                         .map_or((candidate.theta, candidate.nuisances), |fit| (fit.theta, fit.nuisances));
-                    *fit = self.fitter.fit(&data, candidate.side, theta, nuisances)?;
+                    *fit = self
+                        .fitter
+                        .fit(&data, candidate.side, theta, Slopes::Secant, nuisances)?;
                 }
             }
         }

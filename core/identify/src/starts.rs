@@ -2,6 +2,7 @@
 
 use crate::domain::Side;
 use crate::error::IdentifyError;
+use crate::fit::Slopes;
 use crate::grid::{FEATURES, Grid};
 use crate::measurement::Direction;
 use crate::residuals::{NUISANCES, Point, SHIFT};
@@ -90,7 +91,7 @@ impl Solver<'_, '_, '_, '_> {
                     nuisances[SHIFT] = -0.5 * (front + rear);
                 }
                 let data = self.data(few.get(..count).unwrap_or_default(), noise);
-                if let Some(fit) = self.fitter.fit(&data, side, start.theta, nuisances)?
+                if let Some(fit) = self.fitter.fit(&data, side, start.theta, Slopes::Local, nuisances)?
                     && candidate.is_none_or(|best| fit.sum < best.sum)
                 {
                     *candidate = Some(Candidate {

@@ -95,8 +95,10 @@ fn measurement(points: &[[f64; 2]]) -> Measurement<'_> {
     }
 }
 
+/// Off a/l = 0.9, where the model's clusters meet: its outlines jump there by 1e-4 l, and a fit to points without noise
+/// may end on either side.
 const TRUTHS: [[f64; 2]; 6] = [
-    [0.1, 0.9],
+    [0.1, 0.92],
     [0.03, 1.1],
     [0.02, 0.78],
     [0.008, 0.95],
