@@ -37,6 +37,8 @@ pub(crate) struct Fit {
     pub(crate) evidence: f64,
     /// The model's bound that it counted with, in l.
     pub(crate) bound: f64,
+    /// The scale of the model's error that it counted with.
+    pub(crate) scale: f64,
     pub(crate) reduced: Reduced,
     pub(crate) shape: Shape,
     pub(crate) sensitivity: Sensitivity,
@@ -90,6 +92,12 @@ impl Reduced {
     fn displaced(&self, nuisances: &[f64; NUISANCES], [ca, confinement]: [f64; 2]) -> [f64; NUISANCES] {
         let [none, by_ca, by_confinement] = &self.nuisance_steps;
         core::array::from_fn(|i| nuisances[i] + none[i] + ca * by_ca[i] + confinement * by_confinement[i])
+    }
+
+    /// Derivatives of a nuisance parameter by Ca and a/l along the profile.
+    pub(crate) fn by_parameters(&self, nuisance: usize) -> [f64; 2] {
+        let [_, by_ca, by_confinement] = &self.nuisance_steps;
+        [by_ca[nuisance], by_confinement[nuisance]]
     }
 
     /// The covariance of the two; none where the data do not determine them.
@@ -269,6 +277,7 @@ impl Fitter<'_, '_, '_> {
                             + freedom
                             + (0..NUISANCES).map(|i| 2.0 * libm::log(deviation(i))).sum::<f64>(),
                         bound: data.bound,
+                        scale: data.scale,
                         nuisance_matrix,
                         priors: core::array::from_fn(|i| 1.0 / (deviation(i) * deviation(i))),
                         theta,

@@ -21,6 +21,7 @@ mod grid;
 mod identification;
 mod local;
 mod measurement;
+mod model_error;
 mod noise;
 mod profile;
 mod residuals;

@@ -7,6 +7,7 @@
 
 use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};
+use crate::model_error::spectrum;
 use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, Sensitivity, Shape};
 
 /// Cosines of the model's error.
@@ -25,7 +26,7 @@ pub(crate) const EDGE: usize = 3;
 /// Place of the relative error of the scale.
 pub(crate) const SCALE: usize = 4;
 /// Place of the first cosine.
-const MODE: usize = 5;
+pub(crate) const MODE: usize = 5;
 
 /// Standard deviation that stands for no knowledge: of a shift, in l.
 const FLAT: f64 = 10.0;
@@ -57,6 +58,8 @@ pub(crate) struct Data<'p> {
     pub(crate) noise: f64,
     /// The model's 95 % bound, in l, that of one place for the whole of a fit: sums are comparable.
     pub(crate) bound: f64,
+    /// The scale of the model's error: see `model_error`.
+    pub(crate) scale: f64,
 }
 
 /// The normal equations of a least-squares problem.
@@ -109,6 +112,7 @@ impl<'p> Data<'p> {
             model: priors.model,
             noise,
             bound: 0.0,
+            scale: 1.0,
         }
     }
 
@@ -116,7 +120,7 @@ impl<'p> Data<'p> {
     pub(crate) fn deviation(&self, nuisance: usize) -> f64 {
         match self.deviations.get(nuisance) {
             Some(deviation) => *deviation,
-            None => (self.model * self.bound * spectrum(nuisance - MODE)).max(EXACT),
+            None => (self.scale * self.model * self.bound * spectrum(nuisance - MODE)).max(EXACT),
         }
     }
 
@@ -295,13 +299,6 @@ impl Place {
             Self::Nowhere => [0.0; W],
         }
     }
-}
-
-/// Standard deviation of the coefficient of cosine number k in the model's 95 % bound. At the configurations of the
-/// shipped model's test set 95 % of the coefficients are below twice this (`capsule-rom study identify`).
-fn spectrum(k: usize) -> f64 {
-    let ratio = k as f64 / 7.0;
-    0.2 / (1.0 + ratio * libm::sqrt(ratio))
 }
 
 struct Residual {

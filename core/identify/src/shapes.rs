@@ -48,6 +48,8 @@ pub struct Shape {
     pub scalars: [f64; SCALARS],
     /// The bound that 95 % of the model's errors stay below.
     pub bound: f64,
+    /// The error that the model expects.
+    pub expected_error: f64,
 }
 
 /// Number of a shape's scalars.
@@ -127,6 +129,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         evaluator.prepare(&query(theta)?)?;
         let mut instant = evaluator.at(self.t)?;
         let bound = f64::from(instant.error_bound()?) * confinement;
+        let expected_error = f64::from(instant.expected_error()?) * confinement;
         let velocity = f64::from(instant.centroid_velocity()?);
         let mut points = [[0.0_f32; 2]; MAX_HALF];
         let (count, rear_pole) = match self.observable {
@@ -164,7 +167,12 @@ impl<'a, 'w> Shapes<'a, 'w> {
             velocity,
             confinement,
         ];
-        Ok(Shape { curve, scalars, bound })
+        Ok(Shape {
+            curve,
+            scalars,
+            bound,
+            expected_error,
+        })
     }
 
     /// Derivatives of a shape by differences between two places on either side in each parameter, as `ends` gives them

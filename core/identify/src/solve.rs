@@ -6,6 +6,7 @@ use crate::fit::{Fit, Fitter, Slopes};
 use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
 use crate::measurement::{Direction, Flow, Measurement};
+use crate::model_error;
 use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
 use crate::profile::{Interval, Profile};
 use crate::residuals::{Data, EDGE, MODES, NUISANCES, Point, SCALE, SHIFT, TILT};
@@ -19,8 +20,8 @@ const DROPPED_RISE: f64 = 40.0;
 /// A solution whose sum is greater by no more than this is as good (95 %, one degree of freedom).
 const CHI_SQUARED_95: f64 = 3.84;
 /// The most rounds of fits and weights.
-const ROUNDS: usize = 4;
-/// A change of the noise that needs no new fit.
+const ROUNDS: usize = 6;
+/// A change of the noise or of the scale of the model's error that needs no new fit, as a share.
 const NOISE_TOLERANCE: f64 = 0.1;
 /// Standard normal quantiles of 68.27 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_964];
@@ -133,10 +134,14 @@ impl Solver<'_, '_, '_, '_> {
         // Noise and weights of the points from the residuals of the best fit so far, until they stay. A fit works with
         // the points in bins.
         let mut noise = Noise::default();
+        let mut scale = 1.0;
         let mut fits: [Option<Fit>; 2] = [None, None];
         for round in 0..ROUNDS {
             let best = best(&fits);
-            let before = noise.effective;
+            let before = [noise.effective, scale];
+            if let Some(fit) = best.filter(|_| !points.is_empty() && self.measurement.priors.model > 0.0) {
+                scale = model_error::scale(fit, scale);
+            }
             let from = best.map(|fit| (fit.theta, fit.nuisances));
             let started = candidates.iter().flatten().min_by(|a, b| a.sum.total_cmp(&b.sum));
             let Some((theta, nuisances)) = from.or(started.map(|c| (c.theta, c.nuisances))) else {
@@ -144,11 +149,19 @@ impl Solver<'_, '_, '_, '_> {
             };
             let shape = self.fitter.shapes.at(theta)?;
             noise = self.estimate_noise(&shape.curve, &nuisances, best, points);
-            if round > 1 && (noise.effective - before).abs() < NOISE_TOLERANCE * before {
+            let changes = [noise.effective, scale].into_iter().zip(before);
+            if round > 1
+                && changes
+                    .into_iter()
+                    .all(|(now, before)| (now - before).abs() < NOISE_TOLERANCE * before)
+            {
                 break;
             }
             let count = bin(&self.data(&[], 1.0), &shape.curve, &nuisances, points, &mut bins);
-            let data = self.data(bins.get(..count).unwrap_or_default(), noise.effective.max(LEAST_NOISE));
+            let data = Data {
+                scale,
+                ..self.data(bins.get(..count).unwrap_or_default(), noise.effective.max(LEAST_NOISE))
+            };
             for (fit, candidate) in fits.iter_mut().zip(&candidates) {
                 if let Some(candidate) = candidate {
                     let (theta, nuisances) = fit
@@ -209,6 +222,7 @@ impl Solver<'_, '_, '_, '_> {
         let bins = bins.get(..count).unwrap_or_default();
         let data = Data {
             bound: fit.bound,
+            scale: fit.scale,
             ..self.data(bins, noise.effective.max(LEAST_NOISE))
         };
         // Student's quantiles for a noise that is an estimate itself.
@@ -225,11 +239,17 @@ impl Solver<'_, '_, '_, '_> {
                 z * (1.0 + (z * z + 1.0) / (4.0 * freedom))
             }
         });
+        let model_parameters = if points.is_empty() {
+            [0.0; 2]
+        } else {
+            model_error::of_parameters(&fit).map(|deviation| self.measurement.priors.model * deviation)
+        };
         let mut profile = Profile {
             data,
             fit: &fit,
             sum: Fitter::profiled(&data, &fit.shape, &fit.nuisances).map_or(fit.sum, |(sum, _)| sum),
             local: None,
+            model_parameters,
         };
         if let Some(steps) = fit
             .reduced
@@ -263,7 +283,7 @@ impl Solver<'_, '_, '_, '_> {
         };
         let shear = setup.viscosity_pa_s * mean_velocity / value;
         let structure = fit.nuisances.iter().enumerate().skip(NUISANCES - MODES).map(|(i, c)| {
-            let share = c / data.deviation(i);
+            let share = c * fit.scale / data.deviation(i);
             share * share
         });
         let found = Identification {
@@ -275,7 +295,7 @@ impl Solver<'_, '_, '_, '_> {
             shear_modulus_n_per_m: estimate(shear, modulus, &|change| shear * libm::exp(-change)),
             mean_velocity_m_s: mean_velocity,
             deviations: fit.reduced.covariance().map_or([f64::INFINITY; 2], |covariance| {
-                [0, 1].map(|d| libm::sqrt(covariance[d][d]))
+                [0, 1].map(|d| libm::hypot(libm::sqrt(covariance[d][d]), model_parameters[d]))
             }),
             correlation: fit.reduced.covariance().map_or(f64::NAN, |covariance| {
                 covariance[0][1] / libm::sqrt(covariance[0][0] * covariance[1][1])
