@@ -163,7 +163,7 @@ impl Fitter<'_, '_, '_> {
     }
 
     /// Derivatives at a place; differences stay in the domain.
-    fn sensitivity(
+    pub(crate) fn sensitivity(
         &mut self,
         slopes: Slopes,
         side: Side,

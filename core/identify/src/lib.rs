@@ -25,6 +25,7 @@ mod model_error;
 mod noise;
 mod profile;
 mod residuals;
+mod sequence;
 mod shapes;
 mod solve;
 mod solver;
@@ -39,6 +40,7 @@ pub use identification::{Alternative, Estimate, Frame, Identification, Verdict};
 pub use measurement::{Contour, Direction, Flow, Lengths, Measured, Measurement, Priors, Setup};
 pub use profile::Interval;
 pub use residuals::Point;
+pub use sequence::{MAX_FRAMES, Sequence, SequenceIdentification, identify_sequence};
 pub use shapes::{
     HALF_WIDTH, LENGTH, Memory, NODES_ROOM, Observable, RADIUS, REAR_DEPTH, SCALARS, Shape, Shapes, Store, VELOCITY,
 };

@@ -10,6 +10,7 @@
 use crate::algebra::Factor;
 use crate::fit::Fit;
 use crate::residuals::{MODE, MODES, NUISANCES};
+use crate::shapes::{Sensitivity, Shape};
 
 /// nu, the degrees of freedom of the scale.
 const FREEDOM: f64 = 2.0;
@@ -24,8 +25,7 @@ pub(crate) fn spectrum(k: usize) -> f64 {
 }
 
 /// The scale s that makes a fit likeliest, from one it was made with: a step of expectation and maximisation (Dempster,
-/// Laird, Rubin, 1977). The expected squares of the coefficients are those of the fit and their variances. At least 1:
-/// that an error looks small does not narrow intervals.
+/// Laird, Rubin, 1977). The expected squares of the coefficients are those of the fit and their variances.
 pub(crate) fn scale(fit: &Fit, before: f64) -> f64 {
     let (Some(factor), Some(covariance)) = (Factor::new(&fit.nuisance_matrix), fit.reduced.covariance()) else {
         return before;
@@ -40,22 +40,22 @@ pub(crate) fn scale(fit: &Fit, before: f64) -> f64 {
         })
         .sum();
     let square = before * before * squares;
-    libm::sqrt((FREEDOM * SQUARE + square) / (FREEDOM + MODES as f64)).max(1.0)
+    libm::sqrt((FREEDOM * SQUARE + square) / (FREEDOM + MODES as f64))
 }
 
 /// Standard deviations of the model's parameters: an error of the interpolation may have the form of another capsule's
 /// outline, which no measurement can tell from one. Its size is the expected error, root mean square along the outline,
 /// shared by both parameters.
-pub(crate) fn of_parameters(fit: &Fit) -> [f64; 2] {
-    let curve = &fit.shape.curve;
+pub(crate) fn of_parameters(shape: &Shape, sensitivity: &Sensitivity) -> [f64; 2] {
+    let curve = &shape.curve;
     let count = curve.count();
     let mut squares = [0.0; 2];
     for i in 0..count {
-        let outward = fit.sensitivity.outward(i as f64, curve.normal(i));
+        let outward = sensitivity.outward(i as f64, curve.normal(i));
         (0..2).for_each(|d| squares[d] += 0.5 * outward[d] * outward[d] / count as f64);
     }
     // Half of the square each: (E^2 / 2) / (2 squares).
-    squares.map(|square| 0.5 * fit.shape.expected_error / libm::sqrt(square.max(f64::MIN_POSITIVE)))
+    squares.map(|square| 0.5 * shape.expected_error / libm::sqrt(square.max(f64::MIN_POSITIVE)))
 }
 
 #[cfg(test)]

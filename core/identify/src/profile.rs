@@ -173,7 +173,9 @@ impl Fitter<'_, '_, '_> {
         const WAY: f64 = 0.7;
         let at = |s: f64| [place[0] + s * across[0], place[1] + s * across[1]];
         let rise = |fitter: &mut Self, theta: [f64; 2]| -> Result<Option<f64>, EvaluateError> {
-            let Profile { data, fit, sum, local, .. } = profile;
+            let Profile {
+                data, fit, sum, local, ..
+            } = profile;
             if !fitter.inside(fit.side, theta) {
                 return Ok(None);
             }

@@ -113,6 +113,16 @@ impl<'a, 'w> Shapes<'a, 'w> {
         self.observable
     }
 
+    /// The instant, in l/V.
+    pub fn instant(&self) -> f64 {
+        f64::from(self.t)
+    }
+
+    /// Looks at another instant from now on.
+    pub fn set_instant(&mut self, t: f64) {
+        self.t = t as f32;
+    }
+
     /// How many outlines were computed.
     pub fn evaluations(&self) -> u32 {
         self.evaluations
@@ -193,31 +203,35 @@ impl<'a, 'w> Shapes<'a, 'w> {
             let width = after[d] - before[d];
             let [low, high] = [self.at(before)?, self.at(after)?];
             let share = if width > 0.0 { 1.0 / width } else { 0.0 };
-            let mut points = [[0.0; 2]; MAX_HALF];
-            for (i, (out, place)) in points.iter_mut().zip(shape.curve.points()).enumerate() {
-                let point = |shape: &Shape| shape.curve.points().get(i).copied().unwrap_or_default();
-                *out = match self.observable {
-                    // The same point of the membrane.
-                    Observable::Midplane => {
-                        let ([x0, y0], [x1, y1]) = (point(&low), point(&high));
-                        [share * (x1 - x0), share * (y1 - y0)]
-                    }
-                    // Other points of the membrane, which may move far along a bent curve.
-                    Observable::Silhouette => {
-                        let distance = |shape: &Shape| shape.curve.nearest_from(i, *place).distance;
-                        let outward = share * (distance(&low) - distance(&high));
-                        shape.curve.normal(i).map(|n| outward * n)
-                    }
-                };
-            }
-            let count = shape.curve.count();
-            sensitivity.curves[d] = Curve::through(points.into_iter().take(count)).unwrap_or(Curve::EMPTY);
+            sensitivity.curves[d] = self.difference(shape, [&low, &high], share);
             let scalars = low.scalars.iter().zip(&high.scalars);
             for (derivative, (low, high)) in sensitivity.scalars.iter_mut().zip(scalars) {
                 derivative[d] = share * (high - low);
             }
         }
         Ok(sensitivity)
+    }
+
+    /// The difference of two shapes on either side of a third, times a factor, as movement of its curve's points.
+    pub(crate) fn difference(&self, shape: &Shape, [low, high]: [&Shape; 2], factor: f64) -> Curve {
+        let mut points = [[0.0; 2]; MAX_HALF];
+        for (i, (out, place)) in points.iter_mut().zip(shape.curve.points()).enumerate() {
+            let point = |shape: &Shape| shape.curve.points().get(i).copied().unwrap_or_default();
+            *out = match self.observable {
+                // The same point of the membrane.
+                Observable::Midplane => {
+                    let ([x0, y0], [x1, y1]) = (point(low), point(high));
+                    [factor * (x1 - x0), factor * (y1 - y0)]
+                }
+                // Other points of the membrane, which may move far along a bent curve.
+                Observable::Silhouette => {
+                    let distance = |shape: &Shape| shape.curve.nearest_from(i, *place).distance;
+                    let outward = factor * (distance(low) - distance(high));
+                    shape.curve.normal(i).map(|n| outward * n)
+                }
+            };
+        }
+        Curve::through(points.into_iter().take(shape.curve.count())).unwrap_or(Curve::EMPTY)
     }
 
     /// Derivatives of a shape of the model at its place, those of the interpolation.

@@ -58,7 +58,7 @@ pub fn identify(
     Ok(solved)
 }
 
-fn check(measurement: &Measurement<'_>, capacity: usize) -> Result<(), IdentifyError> {
+pub(crate) fn check(measurement: &Measurement<'_>, capacity: usize) -> Result<(), IdentifyError> {
     let setup = &measurement.setup;
     let (what, flow) = match setup.flow {
         Flow::MeanVelocity(value) => ("the mean velocity", value),
@@ -242,7 +242,8 @@ impl Solver<'_, '_, '_, '_> {
         let model_parameters = if points.is_empty() {
             [0.0; 2]
         } else {
-            model_error::of_parameters(&fit).map(|deviation| self.measurement.priors.model * deviation)
+            model_error::of_parameters(&fit.shape, &fit.sensitivity)
+                .map(|deviation| self.measurement.priors.model * deviation)
         };
         let mut profile = Profile {
             data,

@@ -389,3 +389,100 @@ fn bad_contours_are_named() {
         .collect();
     assert_eq!(error(&line), ContourError::NoArea);
 }
+
+/// Contours of a capsule at instants, or steady ones, with noise.
+fn frames(shapes: &mut Shapes<'_, '_>, truths: &[([f64; 2], f64)], noise: f64, seed: u64) -> Vec<Vec<[f64; 2]>> {
+    let end = shapes.instant();
+    let mut random = normals(seed);
+    let mut drawn = Vec::new();
+    for ([ca, confinement], t) in truths {
+        shapes.set_instant(*t);
+        let shape = shapes.at([ca.ln(), *confinement]).unwrap();
+        drawn.push(contour(&shape, 500, noise, &mut random));
+    }
+    shapes.set_instant(end);
+    drawn
+}
+
+fn of_frames(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    drawn: &[Vec<[f64; 2]>],
+    steady: bool,
+) -> Result<SequenceIdentification, IdentifyError> {
+    let contours: Vec<Contour<'_>> = drawn
+        .iter()
+        .map(|points| measurement(points).contour.unwrap())
+        .collect();
+    let mut room = vec![Point::default(); 500];
+    let sequence = Sequence {
+        setup: measurement(&[]).setup,
+        contours: &contours,
+        priors: Priors {
+            model: 0.0,
+            ..Priors::of_pixel(0.25)
+        },
+        steady,
+    };
+    identify_sequence(shapes, grid, &sequence, &mut room)
+}
+
+#[test]
+fn a_transient_gives_the_capsule_and_the_instants() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    for (seed, truth) in [[0.1, 0.92], [0.04, 1.05], [0.12, 0.8]].into_iter().enumerate() {
+        let instants = [0.4, 0.9, 1.8];
+        let drawn = frames(&mut shapes, &instants.map(|t| (truth, t)), 1e-3, seed as u64 + 3);
+        let found = of_frames(&mut shapes, &grid, &drawn, false).unwrap();
+        let errors = [
+            (found.capillary_number.value / truth[0]).ln() / found.deviations[0],
+            (found.confinement.value - truth[1]) / found.deviations[1],
+        ];
+        assert!(
+            errors.iter().all(|error| error.abs() < 3.5),
+            "{truth:?}: {errors:?} {found:?}"
+        );
+        assert!(
+            (found.capillary_number.value / truth[0] - 1.0).abs() < 0.05,
+            "{truth:?}: {found:?}"
+        );
+        for (t, [value, deviation]) in instants.into_iter().zip(found.instants) {
+            assert!(
+                (value - t).abs() < 3.5 * deviation && deviation < 0.1,
+                "{truth:?} {t}: {found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn steady_frames_are_averaged_and_their_drift_is_seen() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let (truth, end) = ([0.07, 0.98], shapes.instant());
+    let same = frames(&mut shapes, &[(truth, end); 6], 2e-3, 11);
+    let all = of_frames(&mut shapes, &grid, &same, true).unwrap();
+    let one = of_frames(&mut shapes, &grid, &same[..1], true).unwrap();
+    // Noise falls with the root of the number; edge and scale are the same in all frames.
+    assert!(
+        all.deviations[0] < 0.7 * one.deviations[0],
+        "{:?} {:?}",
+        all.deviations,
+        one.deviations
+    );
+    assert!((all.capillary_number.value / truth[0]).ln().abs() < 3.5 * all.deviations[0]);
+    assert!(!all.drifts(), "{} of {}", all.drift, all.drift_freedom);
+    let growing: Vec<_> = (0..6)
+        .map(|i| ([0.07 * (1.0 + 0.02 * f64::from(i)), 0.98], end))
+        .collect();
+    let drawn = frames(&mut shapes, &growing, 2e-3, 12);
+    let drifting = of_frames(&mut shapes, &grid, &drawn, true).unwrap();
+    assert!(drifting.drifts(), "{} of {}", drifting.drift, drifting.drift_freedom);
+    let none = of_frames(&mut shapes, &grid, &[], true);
+    assert!(matches!(none, Err(IdentifyError::Frames { found: 0 })));
+}
