@@ -77,6 +77,13 @@ impl NormalEquations {
         matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
     };
 
+    /// Adds weight * (residual + step_i)^2.
+    fn add_prior(&mut self, i: usize, weight: f64, residual: f64) {
+        self.sum += weight * residual * residual;
+        self.gradient[i] += weight * residual;
+        self.matrix[i][i] += weight;
+    }
+
     /// Adds weight * (residual + row . step)^2; the matrix below its diagonal only.
     fn add(&mut self, weight: f64, residual: f64, row: &[f64; UNKNOWNS]) {
         self.sum += weight * residual * residual;
@@ -241,7 +248,7 @@ impl<'p> Data<'p> {
             let deviation = self.deviation(nuisance);
             let mut row = [0.0; NUISANCES];
             row[nuisance] = 1.0;
-            each(1.0 / (deviation * deviation), *value, &row, Place::Nowhere);
+            each(1.0 / (deviation * deviation), *value, &row, Place::Prior(nuisance));
         }
     }
 
@@ -254,12 +261,16 @@ impl<'p> Data<'p> {
     ) -> NormalEquations {
         let mut normal = NormalEquations::ZERO;
         self.jacobian_rows(shape, nuisances, |weight, residual, by_nuisances, place| {
+            if let Place::Prior(nuisance) = place {
+                normal.add_prior(2 + nuisance, weight, residual);
+                return;
+            }
             let mut row = [0.0; UNKNOWNS];
             if let Some(sensitivity) = sensitivity {
                 let own = match place {
                     Place::Along { place, normal } => sensitivity.outward(place, normal),
                     Place::Scalar(scalar) => sensitivity.scalars[scalar],
-                    Place::Nowhere => [0.0; 2],
+                    Place::Prior(_) => [0.0; 2],
                 };
                 row[..2].copy_from_slice(&own.map(|derivative| -derivative));
             }
@@ -282,8 +293,8 @@ pub(crate) enum Place {
     Along { place: f64, normal: [f64; 2] },
     /// Those of a scalar.
     Scalar(usize),
-    /// It has none.
-    Nowhere,
+    /// It has none: the prior of a nuisance parameter, by number.
+    Prior(usize),
 }
 
 impl Place {
@@ -296,7 +307,7 @@ impl Place {
         match self {
             Self::Along { place, .. } => curve.value(outward, place),
             Self::Scalar(scalar) => scalars[scalar],
-            Self::Nowhere => [0.0; W],
+            Self::Prior(_) => [0.0; W],
         }
     }
 }

@@ -263,7 +263,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
             }
             Observable::Silhouette => {
                 let pole = rear_pole(self.model);
-                let (positions, fields) = split(self.memory.positions, self.model.mesh().nodes())?;
+                let [positions, fields @ ..] = split(self.memory.positions, self.model.mesh().nodes())?;
                 for d in 0..2 {
                     derivatives.positions(d, &ALL, fields[d])?;
                     let rear = fields[d].get(pole).copied().unwrap_or_default();
@@ -327,11 +327,11 @@ fn rear_pole(model: &Model<'_>) -> usize {
 }
 
 /// Room for the positions, and for their derivatives by both parameters.
-fn split(room: &mut [[f32; 3]], nodes: usize) -> Result<(&mut [[f32; 3]], [&mut [[f32; 3]]; 2]), EvaluateError> {
+fn split(room: &mut [[f32; 3]], nodes: usize) -> Result<[&mut [[f32; 3]]; 3], EvaluateError> {
     let (required, found) = (NODES_ROOM * nodes, room.len());
     let mut parts = room.chunks_exact_mut(nodes.max(1));
     match (parts.next(), parts.next(), parts.next()) {
-        (Some(a), Some(b), Some(c)) => Ok((a, [b, c])),
+        (Some(a), Some(b), Some(c)) => Ok([a, b, c]),
         _ => Err(EvaluateError::BufferTooShort { required, found }),
     }
 }

@@ -486,3 +486,38 @@ fn steady_frames_are_averaged_and_their_drift_is_seen() {
     let none = of_frames(&mut shapes, &grid, &[], true);
     assert!(matches!(none, Err(IdentifyError::Frames { found: 0 })));
 }
+
+#[test]
+fn transients_err_as_much_as_they_state() {
+    const TRIALS: u64 = 30;
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let (mut squares, mut held) = ([0.0; 3], [0; 2]);
+    for seed in 0..TRIALS {
+        // Numbers between 0 and 1 that fill the square evenly.
+        let [u, v] = [0.754_877_666, 0.569_840_291].map(|step| (0.5 + step * seed as f64).fract());
+        let truth = [0.02 * f64::powf(6.0, u), 0.8 + 0.14 * v];
+        let instants = [0.3 + 0.2 * v, 0.8 + 0.3 * u, 1.9];
+        let drawn = frames(&mut shapes, &instants.map(|t| (truth, t)), 1e-3, seed + 100);
+        let found = of_frames(&mut shapes, &grid, &drawn, false).unwrap();
+        let errors = [
+            (found.capillary_number.value / truth[0]).ln() / found.deviations[0],
+            (found.confinement.value - truth[1]) / found.deviations[1],
+            (found.instants[0][0] - instants[0]) / found.instants[0][1],
+        ];
+        println!("{truth:?} {errors:.2?} {:.4?}", found.deviations);
+        squares
+            .iter_mut()
+            .zip(errors)
+            .for_each(|(sum, error)| *sum += error * error);
+        held[0] += i32::from(found.capillary_number.interval_95.contains(truth[0]));
+        held[1] += i32::from(found.confinement.interval_95.contains(truth[1]));
+    }
+    let spread = squares.map(|sum| (sum / TRIALS as f64).sqrt());
+    println!("spread {spread:.2?} held {held:?} of {TRIALS}");
+    // The square of 30 errors, over 30, is 1 within 0.78: three standard deviations.
+    assert!(spread.iter().all(|spread| (0.47..1.34).contains(spread)), "{spread:?}");
+    assert!(held.iter().all(|held| *held >= 25), "{held:?} of {TRIALS}");
+}

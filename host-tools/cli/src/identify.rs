@@ -3,6 +3,7 @@
 use crate::identify_answer::Answer;
 use crate::identify_contour::{self, Unit};
 use crate::identify_plot::figure;
+use crate::identify_sequence;
 use crate::model::ModelFile;
 use crate::outputs::Outputs;
 use crate::print;
@@ -10,7 +11,7 @@ use anyhow::{Context, Result, bail, ensure};
 use capsule_core::Model;
 use capsule_identify::{
     Contour, Direction, Flow, Grid, Lengths, MAX_HALF, Measured, Measurement, Memory, NODES_ROOM, Observable, Point,
-    Priors, Setup, Shapes, Store, VELOCITY, identify,
+    Priors, Sequence, Setup, Shapes, Store, VELOCITY, identify,
 };
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,12 @@ pub struct Options {
     /// Contour: a text file of points in order around the capsule, one a line
     #[arg(value_name = "CONTOUR")]
     contour: Option<PathBuf>,
+    /// More contours of the same capsule, steady in all of them, as the first one is written
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "contour", conflicts_with_all = ["plot", "exposure_ms"])]
+    frames: Vec<PathBuf>,
+    /// The frames show the capsule on its way to the steady state, at instants that are not known
+    #[arg(long, requires = "frames")]
+    transient: bool,
     /// Half the side of the square channel, in um; of both sides if they are known apart
     #[arg(long, value_delimiter = ',', required = true, value_name = "L[,L]")]
     half_width_um: Vec<f64>,
@@ -195,6 +202,25 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let mut bench = Bench::new(&model, points.len());
     let (mut shapes, room) = bench.shapes(&model, options.observable());
+    if let (Some(contour), false) = (measurement.contour, options.frames.is_empty()) {
+        let more = options.frames.iter().map(|file| -> Result<_> {
+            let read = identify_contour::read(file)?;
+            let (points, _) = identify_contour::in_um(&read, options.unit, options.pixel_um)
+                .with_context(|| file.display().to_string())?;
+            Ok(points)
+        });
+        let more = more.collect::<Result<Vec<_>>>()?;
+        let others = more.iter().map(|points_um| Contour { points_um, ..contour });
+        let contours: Vec<Contour<'_>> = std::iter::once(contour).chain(others).collect();
+        contours.iter().try_for_each(Contour::crossing)?;
+        let sequence = Sequence {
+            setup: measurement.setup,
+            contours: &contours,
+            priors: measurement.priors,
+            steady: !options.transient,
+        };
+        return identify_sequence::run(&model, &mut shapes, &sequence, options.json);
+    }
     let grid = Grid::new(&mut shapes)?;
     let found = identify(&mut shapes, &grid, &measurement, room)?;
     let shape = shapes.at([found.capillary_number.value.ln(), found.confinement.value])?;

@@ -13,6 +13,7 @@ mod identify;
 mod identify_answer;
 mod identify_contour;
 mod identify_plot;
+mod identify_sequence;
 mod interrupt;
 mod membrane;
 mod model;

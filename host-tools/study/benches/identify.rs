@@ -14,6 +14,29 @@ const MODEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/capsule.c
 const HALF_WIDTH_UM: f64 = 25.0;
 const TRUTH: [f64; 2] = [0.08, 0.97];
 
+const SETUP: Setup = Setup {
+    half_width_um: HALF_WIDTH_UM,
+    flow: Flow::MeanVelocity(5e-3),
+    viscosity_pa_s: 0.8,
+};
+
+fn measured(contour: Option<Contour<'_>>, lengths: Lengths) -> Measurement<'_> {
+    Measurement {
+        setup: SETUP,
+        contour,
+        lengths,
+        priors: Priors::of_pixel(0.25),
+    }
+}
+
+fn along(points_um: &[[f64; 2]]) -> Contour<'_> {
+    Contour {
+        points_um,
+        direction: Direction::Right,
+        noise_um: None,
+    }
+}
+
 /// A closed contour along a curve, with a ripple of a tenth of a pixel of l / 100.
 fn contour(curve: &Curve, count: usize) -> Vec<[f64; 2]> {
     let point = |i: usize| {
@@ -38,24 +61,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grid = Grid::new(&mut shapes)?;
     let mut points = vec![Point::default(); 600];
     let mut criterion = Criterion::default().sample_size(20).configure_from_args();
-    let setup = Setup {
-        half_width_um: HALF_WIDTH_UM,
-        flow: Flow::MeanVelocity(5e-3),
-        viscosity_pa_s: 0.8,
-    };
     let theta = [TRUTH[0].ln(), TRUTH[1]];
     let steady = shapes.at(theta)?;
-    let measured = |contour_um, lengths| Measurement {
-        setup,
-        contour: contour_um,
-        lengths,
-        priors: Priors::of_pixel(0.25),
-    };
-    let along = |points_um| Contour {
-        points_um,
-        direction: Direction::Right,
-        noise_um: None,
-    };
     for count in [64, 600] {
         let drawn = contour(&steady.curve, count);
         let measurement = measured(Some(along(&drawn)), Lengths::default());
@@ -88,7 +95,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     shapes.set_instant(end);
     let contours: Vec<Contour<'_>> = frames.iter().map(|points| along(points)).collect();
     let sequence = Sequence {
-        setup,
+        setup: SETUP,
         contours: &contours,
         priors: Priors::of_pixel(0.25),
         steady: false,
