@@ -21,7 +21,7 @@ const OWN: usize = 1 + NUISANCES;
 /// Instants at which starts are looked for.
 const INSTANTS: usize = 10;
 /// Capsules from which a fit starts.
-pub(crate) const STARTS: usize = 3;
+pub(crate) const STARTS: usize = 2;
 /// The most steps of a fit.
 const STEPS: usize = 15;
 /// Longest step of an instant, in that and 0.2 l/V: where little changes any more, steps would be far too long.
@@ -38,10 +38,9 @@ pub(crate) struct Frame {
     pub(crate) nuisances: [f64; NUISANCES],
 }
 
-/// The sum of squares, and the normal equations of the common unknowns, a frame's own eliminated.
+/// Normal equations of the common unknowns, a frame's own eliminated.
 #[derive(Clone, Copy)]
 pub(crate) struct Linear {
-    pub(crate) sum: f64,
     pub(crate) gradient: [f64; COMMON],
     pub(crate) matrix: [[f64; COMMON]; COMMON],
     /// Step of the own unknowns at fixed common ones, and by a unit of each.
@@ -168,31 +167,41 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         Ok(())
     }
 
-    /// The normal equations of a frame at a capsule, its own unknowns eliminated; without the derivatives by capsule and
-    /// instant if only the sum is asked for.
-    fn linear(&mut self, j: usize, theta: [f64; 2], frame: &Frame, all: bool) -> Result<Option<Linear>, EvaluateError> {
-        let shape = self.shape(theta, frame.t)?;
-        let sensitivity = if all {
-            Some(self.fitter.sensitivity(Slopes::Secant, self.side, theta, &shape)?)
-        } else {
-            None
-        };
-        let in_time = if all && !self.sequence.steady {
-            self.rate(theta, frame.t, &shape)?
-        } else {
-            Curve::EMPTY
-        };
-        let contour = &self.sequence.contours[j];
-        let measurement = self.sequence.measurement(contour);
-        let data = Data {
-            bound: shape.bound,
-            scale: libm::sqrt(self.count() as f64),
-            ..self
-                .solver(&measurement)
-                .data(frame.points.get(..frame.count).unwrap_or_default(), frame.noise)
-        };
-        let share = 1.0 / self.count() as f64;
+    /// The data of a frame, with the priors of edge and scale as they count once for all frames.
+    fn data<'p>(&mut self, j: usize, frame: &'p Frame, bound: f64) -> Data<'p> {
+        let root = libm::sqrt(self.count() as f64);
+        let measurement = self.sequence.measurement(&self.sequence.contours[j]);
+        let points = frame.points.get(..frame.count).unwrap_or_default();
+        let mut data = self.solver(&measurement).data(points, frame.noise);
+        (data.bound, data.scale) = (bound, root);
+        (data.deviations[EDGE], data.deviations[SCALE]) = (root * data.deviations[EDGE], root * data.deviations[SCALE]);
+        data
+    }
+
+    /// The sum of squares of all frames.
+    fn sum(&mut self, theta: [f64; 2], frames: &[Frame; MAX_FRAMES]) -> Result<f64, EvaluateError> {
         let mut sum = 0.0;
+        for (j, frame) in frames.iter().enumerate().take(self.count()) {
+            let shape = self.shape(theta, frame.t)?;
+            let data = self.data(j, frame, shape.bound);
+            data.jacobian_rows(&shape, &frame.nuisances, |weight, residual, _, _| {
+                sum += weight * residual * residual;
+            });
+        }
+        Ok(sum)
+    }
+
+    /// The normal equations of a frame at a capsule, its own unknowns eliminated.
+    fn linear(&mut self, j: usize, frame: &Frame) -> Result<Option<Linear>, EvaluateError> {
+        let theta = self.theta;
+        let shape = self.shape(theta, frame.t)?;
+        let sensitivity = self.fitter.sensitivity(Slopes::Secant, self.side, theta, &shape)?;
+        let in_time = if self.sequence.steady {
+            Curve::EMPTY
+        } else {
+            self.rate(theta, frame.t, &shape)?
+        };
+        let data = self.data(j, frame, shape.bound);
         let mut gradient = [0.0; COMMON];
         let mut matrix = [[0.0; COMMON]; COMMON];
         let mut own_gradient = [0.0; OWN];
@@ -203,20 +212,19 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             let mut own = [0.0; OWN];
             own[1..].copy_from_slice(by_nuisances);
             (own[1 + EDGE], own[1 + SCALE]) = (0.0, 0.0);
-            let mut weight = weight;
             match place {
                 Place::Along { place, normal } => {
-                    if let Some(sensitivity) = &sensitivity {
-                        let [ca, confinement] = sensitivity.outward(place, normal);
-                        (common[0], common[1]) = (-ca, -confinement);
-                    }
+                    let [ca, confinement] = sensitivity.outward(place, normal);
+                    (common[0], common[1]) = (-ca, -confinement);
                     own[0] = -dot(in_time.at_place(place), normal);
                 }
-                // The priors of edge and scale count once for all frames.
-                _ if common[2] != 0.0 || common[3] != 0.0 => weight *= share,
+                Place::Prior(i) if i != EDGE && i != SCALE => {
+                    own_gradient[1 + i] += weight * residual;
+                    own_matrix[1 + i][1 + i] += weight;
+                    return;
+                }
                 _ => {}
             }
-            sum += weight * residual * residual;
             for (i, a) in common.iter().enumerate() {
                 gradient[i] += weight * a * residual;
                 matrix[i]
@@ -253,7 +261,6 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         }
         let product = |a: &[f64; OWN], b: &[f64; OWN]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         Ok(Some(Linear {
-            sum,
             gradient: core::array::from_fn(|i| gradient[i] + product(&mixed[i], &steps[0])),
             matrix: core::array::from_fn(|i| {
                 core::array::from_fn(|k| matrix[i][k] + product(&mixed[i], &steps[1 + k]))
@@ -273,23 +280,18 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             .difference(shape, [&low, &high], 1.0 / (after - before)))
     }
 
-    /// All frames, each as `frame` gives it; none if one has no solution.
-    pub(crate) fn total(
-        &mut self,
-        theta: [f64; 2],
-        frames: &[Frame; MAX_FRAMES],
-        all: bool,
-    ) -> Result<Option<[Linear; MAX_FRAMES]>, EvaluateError> {
+    /// The normal equations of each frame; none if one has no solution.
+    pub(crate) fn total(&mut self) -> Result<Option<[Linear; MAX_FRAMES]>, EvaluateError> {
         let zero = Linear {
-            sum: 0.0,
             gradient: [0.0; COMMON],
             matrix: [[0.0; COMMON]; COMMON],
             steps: [[0.0; OWN]; COMMON + 1],
             variance: 0.0,
         };
+        let frames = self.frames;
         let mut linears = [zero; MAX_FRAMES];
         for j in 0..self.count() {
-            match self.linear(j, theta, &frames[j], all)? {
+            match self.linear(j, &frames[j])? {
                 Some(linear) => linears[j] = linear,
                 None => return Ok(None),
             }
@@ -302,27 +304,25 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         const TRIALS: usize = 6;
         const CLOSE: f64 = 0.01;
         let mut damping = 1e-3;
-        let of = |linears: [Linear; MAX_FRAMES]| linears.iter().map(|linear| linear.sum).sum::<f64>();
-        let mut sum = self.total(self.theta, &self.frames.clone(), false)?.map(of);
+        let frames = self.frames;
+        let mut here = self.sum(self.theta, &frames)?;
         for _ in 0..STEPS {
-            let Some(linears) = self.total(self.theta, &self.frames.clone(), true)? else {
-                return Ok(sum);
+            let Some(linears) = self.total()? else {
+                return Ok(None);
             };
-            let here = sum.unwrap_or(f64::INFINITY);
             let mut moved = false;
             for _ in 0..TRIALS {
                 let Some(step) = step(&linears, damping) else {
-                    return Ok(sum);
+                    return Ok(None);
                 };
                 let wanted = [self.theta[0] + step[0], self.theta[1] + step[1]];
                 let to = self.fitter.domain.clamp(self.side, wanted, self.theta);
                 let frames = self.stepped(&linears, &step);
-                if let Some(there) = self.total(to, &frames, false)?.map(of)
-                    && there < here
-                {
+                let there = self.sum(to, &frames)?;
+                if there < here {
                     (self.theta, self.frames) = (to, frames);
                     (damping, moved) = ((0.2 * damping).max(1e-7), here - there > CLOSE);
-                    sum = Some(there);
+                    here = there;
                     break;
                 }
                 damping = (10.0 * damping).max(1e-3);
@@ -331,7 +331,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
                 break;
             }
         }
-        Ok(sum)
+        Ok(Some(here))
     }
 
     /// The frames after a step of the common unknowns.

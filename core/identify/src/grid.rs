@@ -56,9 +56,9 @@ pub(crate) fn distance(measured: &[Option<f64>; FEATURES], own: impl Iterator<It
 }
 
 impl Grid {
-    /// Every second place of the domain, with its side.
+    /// Every third place of the domain, with its side.
     pub(crate) fn places(&self) -> impl Iterator<Item = (Side, [f64; 2])> + '_ {
-        let entries = self.entries.iter().take(self.count).step_by(2);
+        let entries = self.entries.iter().take(self.count).step_by(3);
         entries.map(|entry| (entry.side, entry.theta.map(f64::from)))
     }
 

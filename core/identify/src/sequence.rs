@@ -163,9 +163,7 @@ impl<'s> Sequence<'s> {
 
 impl Fit<'_, '_, '_, '_> {
     fn state(&mut self) -> Result<SequenceIdentification, IdentifyError> {
-        let linears = self
-            .total(self.theta, &self.frames.clone(), true)?
-            .ok_or(IdentifyError::NoFit)?;
+        let linears = self.total()?.ok_or(IdentifyError::NoFit)?;
         let factor = Factor::new(&summed(&linears)).ok_or(IdentifyError::NoFit)?;
         let covariance: [[f64; COMMON]; COMMON] = core::array::from_fn(|i| factor.inverse_column(i));
         // The model's own parameters, from the last frame.
