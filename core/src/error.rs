@@ -46,6 +46,15 @@ pub enum EvaluateError {
         /// Greatest value allowed.
         max: f32,
     },
+    /// The model has no such parameter.
+    UnknownParameter {
+        /// Index asked for, from 0.
+        index: usize,
+        /// Number of the model's parameters.
+        count: usize,
+    },
+    /// Derivatives are those of direct evaluation: the query names another method.
+    NoDerivatives,
     /// A parameter lies outside its sampled range.
     OutsideDomain {
         /// Its index among the model's parameters, from 0.
@@ -167,6 +176,16 @@ impl EvaluateError {
             Self::ParameterCount { expected, found } => {
                 write!(f, "the model has {expected} parameters, the query {found}")
             }
+            Self::UnknownParameter { index, count } => {
+                write!(
+                    f,
+                    "parameter {index}, counted from 0, does not exist: the model has {count}"
+                )
+            }
+            Self::NoDerivatives => write!(
+                f,
+                "derivatives are those of direct evaluation: ask for the direct method"
+            ),
             Self::FarFromSamples { ratio } => write!(
                 f,
                 "no sample is near: the interpolation is {ratio:.1} times as uncertain as at any sample that was left \

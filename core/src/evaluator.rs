@@ -1,5 +1,6 @@
 //! Preparation of a query: from a model and a workspace to the weights of the samples.
 
+use crate::derivatives::Derivatives;
 use crate::error::EvaluateError;
 use crate::instant::Instant;
 use crate::interpolate::ridge_rows;
@@ -105,6 +106,40 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
     /// # Errors
     /// [`EvaluateError::NotPrepared`]; [`EvaluateError::Value`] for `t` outside [0, T].
     pub fn at(&mut self, t: T) -> Result<Instant<'_, 'a, T, K, M, N, S>, EvaluateError> {
+        let t = self.instant(t)?;
+        let prepared = self.workspace.prepared.as_ref();
+        let prepared = prepared.filter(|prepared| prepared.digest == self.model.digest());
+        let Prepared { query, domain, .. } = *prepared.ok_or(EvaluateError::NotPrepared)?;
+        Ok(Instant::new(self.target(query, t)?, domain, self.workspace))
+    }
+
+    /// Derivatives, by the parameters, of the answers of [`Method::Direct`] to a query at the instant `t` in [0, T]. The
+    /// workspace holds them in the place of a prepared query: after them a query must be prepared anew.
+    ///
+    /// The derivatives are those of the interpolation that answers. Where a sample enters or leaves the nearest ones,
+    /// and where the steady limit bends, they jump; at a border of the domain they are those inside. A shape that is
+    /// extrapolated is not checked.
+    ///
+    /// # Errors
+    /// Those of [`prepare`](Self::prepare) and [`at`](Self::at); [`EvaluateError::NoDerivatives`] for
+    /// [`Method::Paper`].
+    pub fn derivatives(&mut self, query: &Query<T>, t: T) -> Result<Derivatives<'_, 'a, T, K, M, N, S>, EvaluateError> {
+        self.workspace.invalidate();
+        if query.method != Method::Direct {
+            return Err(EvaluateError::NoDerivatives);
+        }
+        let t = self.instant(t)?;
+        query.validate(self.model)?;
+        let target = self.target(*query, t)?;
+        self.workspace
+            .solver
+            .set_derivatives(self.model, target.cluster, query)?;
+        Ok(Derivatives::new(target, self.workspace))
+    }
+
+    /// An instant, if it is one.
+    #[inline(always)]
+    fn instant(&self, t: T) -> Result<T, EvaluateError> {
         let end_time = self.model.end_time();
         // The end, rounded from another precision, is the end.
         let end = T::from_f32(end_time);
@@ -114,18 +149,19 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
             t
         };
         check_range("the instant", t, 0.0, end_time)?;
-        let prepared = self.workspace.prepared.as_ref();
-        let prepared = prepared.filter(|prepared| prepared.digest == self.model.digest());
-        let Prepared { query, domain, .. } = *prepared.ok_or(EvaluateError::NotPrepared)?;
+        Ok(t)
+    }
+
+    #[inline(always)]
+    fn target(&self, query: Query<T>, t: T) -> Result<Target<'a, T>, EvaluateError> {
         let model = self.model;
         let cluster = model.cluster(&query.parameters).ok_or(EvaluateError::NotPrepared)?;
-        let target = Target {
+        Ok(Target {
             model,
             cluster,
             query,
             t,
-        };
-        Ok(Instant::new(target, domain, self.workspace))
+        })
     }
 
     /// Positions of all nodes, in l, at the instant `t` of the prepared query, into the first entries of `out`; returns

@@ -30,6 +30,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod derivatives;
 pub mod error;
 mod evaluator;
 mod expected_error;
@@ -61,12 +62,13 @@ pub use solver::scratch_len;
 pub use surface::playback::{Playback, playback_len};
 pub use workspace::Workspace;
 // Answers.
+pub use derivatives::Derivatives;
 pub use evaluator::Evaluator;
 pub use instant::Instant;
 pub use scene::{Frame, Nodes, Scene};
 pub use surface::observables::Observables;
 pub use surface::section::{Segment, section};
-pub use surface::silhouette::silhouette;
+pub use surface::silhouette::{silhouette, silhouette_derivatives};
 // Errors.
 pub use error::EvaluateError;
 #[cfg(feature = "write")]

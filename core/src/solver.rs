@@ -156,6 +156,36 @@ impl<T: Real, const K: usize, const M: usize, const N: usize, const S: usize> So
         }
     }
 
+    /// Computes the derivatives of the weights by each parameter, into the scratch: a row of N for each.
+    ///
+    /// # Errors
+    /// Those of [`Weights::kernel`].
+    pub(crate) fn set_derivatives(
+        &mut self,
+        model: &Model<'_>,
+        cluster: &Cluster<'_>,
+        query: &Query<T>,
+    ) -> Result<(), EvaluateError> {
+        let contents = model.contents();
+        let (parameters, samples) = (&model.scaled(&query.parameters), &cluster.samples);
+        let coordinates = Coordinates::new(contents);
+        let (weights, scratch) = (&mut self.weights, &mut self.scratch);
+        let derivatives = weights.kernel_derivatives(&contents.kernel, &coordinates, samples, parameters, scratch)?;
+        let ranges = &contents.metadata.parameters;
+        for ((out, row), range) in scratch.chunks_mut(N).zip(&derivatives).zip(ranges) {
+            for (out, value) in out.iter_mut().zip(row) {
+                *out = *value / T::from_f64(range.scale);
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the derivatives by a parameter in the place of the weights.
+    pub(crate) fn select_derivative(&mut self, parameter: usize) {
+        self.weights
+            .replace(slice_or_empty(&self.scratch, N * parameter..N * (parameter + 1)));
+    }
+
     /// Contracts the modes of the translation with the weights of the query.
     pub(crate) fn contract(&mut self, cluster: &Cluster<'_>) {
         self.contracted.set_weights(&cluster.field, &self.weights);

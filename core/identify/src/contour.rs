@@ -26,7 +26,7 @@ pub enum ContourError {
         /// How many.
         found: usize,
         /// Room.
-        room: usize,
+        capacity: usize,
     },
     /// A coordinate that is not a finite number.
     NotFinite {
@@ -65,8 +65,8 @@ impl core::fmt::Display for ContourError {
                     "the contour has {found} points: at least {MIN_POINTS} are needed, around the whole capsule"
                 )
             }
-            Self::TooManyPoints { found, room } => {
-                write!(f, "the contour has {found} points, there is room for {room}")
+            Self::TooManyPoints { found, capacity } => {
+                write!(f, "the contour has {found} points, there is room for {capacity}")
             }
             Self::NotFinite { index } => write!(f, "point {} of the contour is not a finite number", index + 1),
             Self::SelfCrossing { first, second } => write!(
@@ -78,8 +78,8 @@ impl core::fmt::Display for ContourError {
             ),
             Self::WiderThanChannel { width_um, channel_um } => write!(
                 f,
-                "the contour is {width_um:.4} um wide, the channel {channel_um:.4} um: one of scale, unit and half width \
-                 is wrong"
+                "the contour is {width_um:.4} um wide, the channel {channel_um:.4} um: one of scale, unit and half \
+                 width is wrong"
             ),
             Self::Open { share } => write!(
                 f,
@@ -108,15 +108,15 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 impl Contour<'_> {
     /// Checks the contour, but for crossings: see [`crossing`](Self::crossing).
-    pub(crate) fn check(&self, half_width_um: f64, room: usize) -> Result<(), ContourError> {
+    pub(crate) fn check(&self, half_width_um: f64, capacity: usize) -> Result<(), ContourError> {
         let points = self.points_um;
         if points.len() < MIN_POINTS {
             return Err(ContourError::TooFewPoints { found: points.len() });
         }
-        if points.len() > room {
+        if points.len() > capacity {
             return Err(ContourError::TooManyPoints {
                 found: points.len(),
-                room,
+                capacity,
             });
         }
         if let Some(index) = points.iter().position(|point| !point.iter().all(|x| x.is_finite())) {

@@ -4,7 +4,7 @@
 pub const MAX_HALF: usize = 96;
 
 /// Half of an outline that is symmetric about the x axis: cubics through points from the front to the rear, y >= 0.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Curve {
     count: usize,
     points: [[f64; 2]; MAX_HALF],
@@ -97,7 +97,12 @@ impl Curve {
 
     /// The place at a share 0 to 1 of the way from the front to the rear, as a point.
     pub fn position(&self, share: f64) -> [f64; 2] {
-        let [point, ..] = self.at(share * self.count.saturating_sub(1) as f64);
+        self.at_place(share * self.count.saturating_sub(1) as f64)
+    }
+
+    /// The point at a place.
+    pub(crate) fn at_place(&self, place: f64) -> [f64; 2] {
+        let [point, ..] = self.at(place);
         point
     }
 
@@ -152,31 +157,38 @@ impl Curve {
         core::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
     }
 
-    /// Greatest of a coordinate or its negative along the curve: the vertex of the parabola through the greatest point
-    /// and its neighbours.
-    fn greatest(&self, value: impl Fn([f64; 2]) -> f64) -> f64 {
-        let value = |i: usize| value(self.point(i));
-        let place = (0..self.count).fold(0, |best, i| if value(i) > value(best) { i } else { best });
-        if place == 0 || place + 1 >= self.count {
-            return value(place);
+    /// Place of the greatest product with a direction along the curve.
+    fn extreme(&self, direction: [f64; 2]) -> f64 {
+        const STEPS: usize = 4;
+        let value = |i: usize| dot(self.point(i), direction);
+        let greatest = (0..self.count).fold(0, |best, i| if value(i) > value(best) { i } else { best });
+        let last = self.count.saturating_sub(1);
+        let (low, high) = (greatest.saturating_sub(1) as f64, (greatest + 1).min(last) as f64);
+        let mut place = greatest as f64;
+        for _ in 0..STEPS {
+            let [_, first, second] = self.at(place).map(|vector| dot(vector, direction));
+            if second < 0.0 {
+                place = (place - first / second).clamp(low, high);
+            }
         }
-        let [before, greatest, after] = [place - 1, place, place + 1].map(value);
-        let curvature = 2.0 * greatest - before - after;
-        if curvature > 0.0 {
-            greatest + (after - before) * (after - before) / (8.0 * curvature)
-        } else {
-            greatest
-        }
+        place
+    }
+
+    /// Places of the foremost, the rearmost and the outermost point.
+    pub(crate) fn extremes(&self) -> [f64; 3] {
+        [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]].map(|direction| self.extreme(direction))
     }
 
     /// Foremost and rearmost x.
     pub fn extent(&self) -> [f64; 2] {
-        [self.greatest(|[x, _]| x), -self.greatest(|[x, _]| -x)]
+        let [front, rear, _] = self.extremes();
+        [front, rear].map(|place| self.at_place(place)[0])
     }
 
     /// Greatest y.
     pub fn half_width(&self) -> f64 {
-        self.greatest(|[_, y]| y)
+        let [.., widest] = self.extremes();
+        self.at_place(widest)[1]
     }
 
     /// Area within the closed outline and the x of its centroid.
@@ -244,7 +256,7 @@ mod tests {
         let curve = ellipse(1.2, 0.7);
         let [front, rear] = curve.extent();
         assert!((front - 1.2).abs() < 1e-9 && (rear + 1.2).abs() < 1e-9);
-        assert!((curve.half_width() - 0.7).abs() < 1e-5);
+        assert!((curve.half_width() - 0.7).abs() < 1e-6);
         let [area, centroid] = curve.area();
         assert!((area - core::f64::consts::PI * 1.2 * 0.7).abs() < 3e-3 && centroid.abs() < 1e-12);
     }

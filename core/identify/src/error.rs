@@ -1,6 +1,7 @@
 //! Errors of an identification.
 
 use crate::contour::ContourError;
+use crate::sequence::MAX_FRAMES;
 use capsule_core::EvaluateError;
 
 /// The cause of a refused measurement.
@@ -21,6 +22,15 @@ pub enum IdentifyError {
         /// How many there are.
         found: usize,
     },
+    /// A sequence has no frame, or too many.
+    Frames {
+        /// How many there are.
+        found: usize,
+    },
+    /// A contour of a sequence without the direction of the flow.
+    Direction,
+    /// The capsule's velocity in a transient, in which it changes.
+    ChangingVelocity,
     /// The model did not answer.
     Model(EvaluateError),
     /// No start led to a minimum.
@@ -48,6 +58,11 @@ impl core::fmt::Display for IdentifyError {
                 f,
                 "{found} of the lengths, the velocity and the radius are given: without a contour at least two are \
                  needed"
+            ),
+            Self::Frames { found } => write!(f, "{found} frames are given: it must be 1 to {MAX_FRAMES}"),
+            Self::Direction => f.write_str("the direction of the flow must be given for the contours of a sequence"),
+            Self::ChangingVelocity => f.write_str(
+                "the capsule's velocity changes in a transient: give the liquid's mean velocity or flow rate",
             ),
             Self::Model(error) => error.fmt(f),
             Self::NoFit => f.write_str("no capsule of the model comes near the measurement"),

@@ -2,7 +2,7 @@
 
 use crate::algebra::Factor;
 use crate::domain::{Domain, Side};
-use crate::residuals::{Data, NUISANCES, Normal};
+use crate::residuals::{Data, NUISANCES, NormalEquations};
 use crate::shapes::{Sensitivity, Shape, Shapes};
 use capsule_core::EvaluateError;
 
@@ -13,42 +13,54 @@ const TRIALS: usize = 6;
 /// A step that is shorter than this share of the standard deviations ends the fit.
 const CLOSE: f64 = 0.01;
 
+/// How a fit gets derivatives of the outline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slopes {
+    /// Those of the interpolation: cheap, but they jump where a sample enters or leaves its nearest ones, so that steps
+    /// end a little beside the minimum.
+    Local,
+    /// Differences over a short way, which level that out.
+    Secant,
+}
+
 /// Where a fit has ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     pub(crate) side: Side,
     /// [ln Ca, a/l].
     pub(crate) theta: [f64; 2],
-    pub(crate) unknowns: [f64; NUISANCES],
+    pub(crate) nuisances: [f64; NUISANCES],
     /// The sum of squares.
     pub(crate) sum: f64,
-    /// The sum, and what the unknowns beside the two cost: twice the negative logarithm of the likelihood that is left
-    /// when they are integrated over. By it fits with different bounds of the model are compared.
+    /// Twice the negative logarithm of the marginal likelihood, the nuisance parameters integrated over: by it fits
+    /// with different bounds of the model are compared.
     pub(crate) evidence: f64,
     /// The model's bound that it counted with, in l.
     pub(crate) bound: f64,
+    /// The scale of the model's error that it counted with.
+    pub(crate) scale: f64,
     pub(crate) reduced: Reduced,
     pub(crate) shape: Shape,
     pub(crate) sensitivity: Sensitivity,
-    /// The normal equations of the unknowns beside the two, and what the priors are of their diagonal.
-    pub(crate) others: [[f64; NUISANCES]; NUISANCES],
+    /// The normal matrix of the nuisance parameters, and what the priors are of its diagonal.
+    pub(crate) nuisance_matrix: [[f64; NUISANCES]; NUISANCES],
     pub(crate) priors: [f64; NUISANCES],
     /// By how much the sum would fall if the fit could leave the domain, at whose edge it is; else about 0.
-    pub(crate) pressure: f64,
+    pub(crate) fall_outside: f64,
 }
 
-/// The normal equations of [ln Ca, a/l] alone, the others eliminated.
+/// The normal equations of [ln Ca, a/l] alone, the nuisance parameters eliminated (Schur complement).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reduced {
     pub(crate) matrix: [[f64; 2]; 2],
     gradient: [f64; 2],
-    /// Step of the others that goes with none of the two, and with one of each.
-    others: [[f64; NUISANCES]; 3],
+    /// Step of the nuisance parameters at fixed Ca and a/l, and by a unit of either.
+    nuisance_steps: [[f64; NUISANCES]; 3],
     sum: f64,
 }
 
 impl Reduced {
-    pub(crate) fn new(normal: &Normal) -> Option<Self> {
+    pub(crate) fn new(normal: &NormalEquations) -> Option<Self> {
         let matrix: [[f64; NUISANCES]; NUISANCES] =
             core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
         let factor = Factor::new(&matrix)?;
@@ -58,28 +70,34 @@ impl Reduced {
             .iter_mut()
             .zip(&normal.gradient[2..])
             .for_each(|(right, g)| *right = -g);
-        let others = [right, column(0), column(1)].map(|right| factor.solve(&right));
+        let nuisance_steps = [right, column(0), column(1)].map(|right| factor.solve(&right));
         let along = |d: usize, step: &[f64; NUISANCES]| -> f64 {
             (0..NUISANCES).map(|i| normal.matrix[2 + i][d] * step[i]).sum()
         };
-        let matrix = [0, 1].map(|d| [0, 1].map(|e| normal.matrix[d][e] + along(d, &others[1 + e])));
+        let matrix = [0, 1].map(|d| [0, 1].map(|e| normal.matrix[d][e] + along(d, &nuisance_steps[1 + e])));
         Some(Self {
             matrix,
-            gradient: [0, 1].map(|d| normal.gradient[d] + along(d, &others[0])),
+            gradient: [0, 1].map(|d| normal.gradient[d] + along(d, &nuisance_steps[0])),
             sum: normal.sum
                 + normal.gradient[2..]
                     .iter()
-                    .zip(&others[0])
+                    .zip(&nuisance_steps[0])
                     .map(|(g, step)| g * step)
                     .sum::<f64>(),
-            others,
+            nuisance_steps,
         })
     }
 
-    /// The others after a step of the two.
-    fn moved(&self, unknowns: &[f64; NUISANCES], [ca, confinement]: [f64; 2]) -> [f64; NUISANCES] {
-        let [none, by_ca, by_confinement] = &self.others;
-        core::array::from_fn(|i| unknowns[i] + none[i] + ca * by_ca[i] + confinement * by_confinement[i])
+    /// The nuisance parameters after a step of Ca and a/l.
+    fn displaced(&self, nuisances: &[f64; NUISANCES], [ca, confinement]: [f64; 2]) -> [f64; NUISANCES] {
+        let [none, by_ca, by_confinement] = &self.nuisance_steps;
+        core::array::from_fn(|i| nuisances[i] + none[i] + ca * by_ca[i] + confinement * by_confinement[i])
+    }
+
+    /// Derivatives of a nuisance parameter by Ca and a/l along the profile.
+    pub(crate) fn by_parameters(&self, nuisance: usize) -> [f64; 2] {
+        let [_, by_ca, by_confinement] = &self.nuisance_steps;
+        [by_ca[nuisance], by_confinement[nuisance]]
     }
 
     /// The covariance of the two; none where the data do not determine them.
@@ -115,7 +133,7 @@ impl Reduced {
     }
 
     /// By how much the sum would fall by the full step.
-    fn pressure(&self) -> f64 {
+    fn fall_outside(&self) -> f64 {
         let [x, y] = self.step(0.0);
         -(self.gradient[0] * x + self.gradient[1] * y)
     }
@@ -134,25 +152,30 @@ pub(crate) struct Fitter<'f, 'a, 'w> {
 }
 
 impl Fitter<'_, '_, '_> {
-    /// Sum and unknowns with the best of them at a place: a step of Newton from given ones.
+    /// Sum and nuisances with the best of them at a place: a step of Newton from given ones.
     pub(crate) fn profiled(
         data: &Data<'_>,
         shape: &Shape,
-        unknowns: &[f64; NUISANCES],
+        nuisances: &[f64; NUISANCES],
     ) -> Option<(f64, [f64; NUISANCES])> {
-        let reduced = Reduced::new(&data.normal(shape, None, unknowns))?;
-        Some((reduced.sum, reduced.moved(unknowns, [0.0; 2])))
+        let reduced = Reduced::new(&data.normal(shape, None, nuisances))?;
+        Some((reduced.sum, reduced.displaced(nuisances, [0.0; 2])))
     }
 
+    /// Derivatives at a place; differences stay in the domain.
     pub(crate) fn sensitivity(
         &mut self,
+        slopes: Slopes,
         side: Side,
         theta: [f64; 2],
         shape: &Shape,
     ) -> Result<Sensitivity, EvaluateError> {
+        if slopes == Slopes::Local {
+            return self.shapes.derivatives(shape, theta);
+        }
         let domain = self.domain;
         let [least, greatest] = domain.confinements();
-        self.shapes.sensitivity(shape, |step| {
+        self.shapes.secants(shape, |step| {
             [-1.0, 1.0].map(|sign| {
                 let confinement = (theta[1] + sign * step[1]).clamp(least, greatest);
                 let ca = theta[0] + sign * step[0];
@@ -205,10 +228,11 @@ impl Fitter<'_, '_, '_> {
         data: &Data<'_>,
         side: Side,
         start: [f64; 2],
-        unknowns: [f64; NUISANCES],
+        slopes: Slopes,
+        nuisances: [f64; NUISANCES],
     ) -> Result<Option<Fit>, EvaluateError> {
         let mut theta = self.domain.clamp(side, start, start);
-        let mut unknowns = unknowns;
+        let mut nuisances = nuisances;
         let mut shape = self.shapes.at(theta)?;
         let data = &Data {
             bound: shape.bound,
@@ -216,12 +240,12 @@ impl Fitter<'_, '_, '_> {
         };
         let mut damping = 1e-4;
         for step in 0..STEPS {
-            let sensitivity = self.sensitivity(side, theta, &shape)?;
-            let normal = data.normal(&shape, Some(&sensitivity), &unknowns);
+            let sensitivity = self.sensitivity(slopes, side, theta, &shape)?;
+            let normal = data.normal(&shape, Some(&sensitivity), &nuisances);
             let Some(reduced) = Reduced::new(&normal) else {
                 return Ok(None);
             };
-            // The others are taken to their best here, so that sums are comparable.
+            // The nuisance parameters are profiled here, so that sums are comparable.
             let mut next = None;
             for _ in 0..TRIALS {
                 let to = self.step(&reduced, side, theta, damping);
@@ -230,34 +254,36 @@ impl Fitter<'_, '_, '_> {
                     break;
                 }
                 let there = self.shapes.at(to)?;
-                let others = reduced.moved(&unknowns, way);
-                if let Some((sum, others)) = Self::profiled(data, &there, &others)
+                let profiled = reduced.displaced(&nuisances, way);
+                if let Some((sum, profiled)) = Self::profiled(data, &there, &profiled)
                     && sum < reduced.sum
                 {
-                    next = Some((to, there, others));
+                    next = Some((to, there, profiled));
                     damping = (damping * 0.2).max(1e-6);
                     break;
                 }
                 damping = (damping * 10.0).max(1e-2);
             }
             match next {
-                Some((to, there, others)) => (theta, shape, unknowns) = (to, there, others),
+                Some((to, there, profiled)) => (theta, shape, nuisances) = (to, there, profiled),
                 None => {
                     let deviation = |i: usize| data.deviation(i);
-                    let others = core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
-                    let freedom = Factor::new(&others).map_or(0.0, |factor| factor.log_determinant());
+                    let nuisance_matrix =
+                        core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
+                    let freedom = Factor::new(&nuisance_matrix).map_or(0.0, |factor| factor.log_determinant());
                     return Ok(Some(Fit {
                         side,
                         evidence: reduced.sum
                             + freedom
                             + (0..NUISANCES).map(|i| 2.0 * libm::log(deviation(i))).sum::<f64>(),
                         bound: data.bound,
-                        others,
+                        scale: data.scale,
+                        nuisance_matrix,
                         priors: core::array::from_fn(|i| 1.0 / (deviation(i) * deviation(i))),
                         theta,
-                        unknowns: reduced.moved(&unknowns, [0.0; 2]),
+                        nuisances: reduced.displaced(&nuisances, [0.0; 2]),
                         sum: reduced.sum,
-                        pressure: reduced.pressure(),
+                        fall_outside: reduced.fall_outside(),
                         reduced,
                         shape,
                         sensitivity,

@@ -11,7 +11,7 @@ const COLUMNS: usize = 12;
 /// The most entries, with both sides of the border.
 const ENTRIES: usize = 2 * ROWS * COLUMNS;
 
-/// Numbers by which outlines are told apart: the scalars, the area, and how far the area's centroid is in front of the
+/// Numbers by which outlines are of_capsule apart: the scalars, the area, and how far the area's centroid is in front of the
 /// middle of the extent.
 pub(crate) const FEATURES: usize = SCALARS + 2;
 
@@ -46,7 +46,22 @@ pub(crate) fn of_curve(curve: &Curve) -> [f64; 2] {
     [area, centroid - 0.5 * (front + rear)]
 }
 
+/// Squared distance of features from measured ones, as far as these are known.
+pub(crate) fn distance(measured: &[Option<f64>; FEATURES], own: impl Iterator<Item = f64>) -> f64 {
+    let differences = measured.iter().zip(own).zip(SPREAD);
+    differences
+        .filter_map(|((measured, own), spread)| measured.map(|measured| (measured - own) / spread))
+        .map(|difference| difference * difference)
+        .sum()
+}
+
 impl Grid {
+    /// Every third place of the domain, with its side.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (Side, [f64; 2])> + '_ {
+        let entries = self.entries.iter().take(self.count).step_by(3);
+        entries.map(|entry| (entry.side, entry.theta.map(f64::from)))
+    }
+
     /// Computes the outlines of a model that are looked at in one way.
     ///
     /// # Errors
@@ -107,13 +122,7 @@ impl Grid {
                 if found.iter().flatten().any(near) {
                     continue;
                 }
-                let differences = features.iter().zip(&entry.features).zip(SPREAD);
-                let distance = differences
-                    .filter_map(|((measured, own), spread)| {
-                        measured.map(|measured| (measured - f64::from(*own)) / spread)
-                    })
-                    .map(|difference| difference * difference)
-                    .sum();
+                let distance = distance(features, entry.features.iter().map(|own| f64::from(*own)));
                 if best.is_none_or(|best| distance < best.distance) {
                     best = Some(Start { theta, distance });
                 }

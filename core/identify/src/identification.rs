@@ -56,16 +56,17 @@ impl Verdict {
                 "the interval reaches the edge of the sampled domain, beyond which nothing is known: it is a bound"
             }
             Self::SeveralSolutions => {
-                "another capsule fits as well, beyond the border at which the rear buckles: measure the rear's depth, the \
-                 radius or the velocity too"
+                "another capsule fits as well, beyond the border at which the rear buckles: measure the rear's depth, \
+                 the radius or the velocity too"
             }
             Self::OutsideDomain => {
-                "the best fit lies at the edge of the sampled domain and the data ask for more: the numbers are no answer"
+                "the best fit lies at the edge of the sampled domain and the data ask for more: the numbers are no \
+                 answer"
             }
             Self::Undetermined => "the data do not determine Ca and a/l: measure more",
             Self::NotSuchACapsule => {
-                "the outline differs from that of any neo-Hookean capsule on the axis of a square channel by more than its \
-                 noise and the model's error: the numbers are no answer"
+                "the outline differs from that of any neo-Hookean capsule on the axis of a square channel by more than \
+                 its noise and the model's error: the numbers are no answer"
             }
             Self::ScaleInconsistent => {
                 "the scale or the edge would have to be three deviations off: check scale, half width and threshold"

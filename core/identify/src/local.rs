@@ -19,7 +19,7 @@ const REACH: f64 = 1.3;
 pub(crate) struct Local {
     theta: [f64; 2],
     steps: [f64; 2],
-    /// Products of the terms' residuals, the unknowns beside the two eliminated.
+    /// Products of the terms' residuals, the nuisance parameters eliminated.
     products: [[f64; TERMS]; TERMS],
 }
 
@@ -82,7 +82,7 @@ impl Fitter<'_, '_, '_> {
         let mut products = [[0.0; TERMS]; TERMS];
         let mut mixed = [[0.0; NUISANCES]; TERMS];
         let mut matrix = [[0.0; NUISANCES]; NUISANCES];
-        data.rows(&fit.shape, &fit.unknowns, |weight, residual, others, place| {
+        data.jacobian_rows(&fit.shape, &fit.nuisances, |weight, residual, by_nuisances, place| {
             let own = place.value(&fit.shape.curve, &outward, &scalars);
             let mut terms = [residual; TERMS];
             terms.iter_mut().skip(1).zip(own).for_each(|(term, own)| *term = -own);
@@ -94,12 +94,15 @@ impl Fitter<'_, '_, '_> {
                     .for_each(|(product, other)| *product += term * other);
                 mixed[i]
                     .iter_mut()
-                    .zip(others)
+                    .zip(by_nuisances)
                     .for_each(|(product, other)| *product += term * other);
             }
-            for (i, a) in others.iter().enumerate() {
+            for (i, a) in by_nuisances.iter().enumerate() {
                 let a = weight * a;
-                matrix[i].iter_mut().zip(others).for_each(|(entry, b)| *entry += a * b);
+                matrix[i]
+                    .iter_mut()
+                    .zip(by_nuisances)
+                    .for_each(|(entry, b)| *entry += a * b);
             }
         });
         let Some(factor) = Factor::new(&matrix) else {

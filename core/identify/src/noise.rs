@@ -4,14 +4,14 @@ use crate::algebra::Factor;
 use crate::curve::Curve;
 use crate::fit::Fit;
 use crate::residuals::{Data, NUISANCES, Point};
-use crate::solver::{FAR, Solver};
+use crate::solver::{SIGNIFICANT, Solver};
 
 /// Bins on each side of the axis into which a contour is gathered for its intervals.
 pub(crate) const BINS: usize = 40;
 /// Residuals beyond so many deviations count less (Huber, 1964).
-const ROBUST: f64 = 2.5;
+const HUBER: f64 = 2.5;
 /// Variance of normal residuals over the one that is computed with Huber's weights, and of the estimate with it.
-const ROBUST_VARIANCE: f64 = 1.013;
+const HUBER_VARIANCE: f64 = 1.013;
 /// The least noise, in l: what the model's numbers are rounded to.
 pub(crate) const LEAST_NOISE: f64 = 1e-5;
 
@@ -19,11 +19,11 @@ pub(crate) const LEAST_NOISE: f64 = 1e-5;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Noise {
     /// That of a point, as if all were independent.
-    pub(crate) counted: f64,
+    pub(crate) effective: f64,
     /// That of a point.
     pub(crate) point: f64,
-    /// How many neighbours err together.
-    pub(crate) together: f64,
+    /// How many neighbouring residuals count as one.
+    pub(crate) correlated: f64,
     pub(crate) freedom: f64,
     pub(crate) chi_squared: f64,
     pub(crate) residual: f64,
@@ -31,10 +31,10 @@ pub(crate) struct Noise {
 
 impl Solver<'_, '_, '_, '_> {
     /// Noise of the residuals from a curve, and Huber's weights of the points.
-    pub(crate) fn weigh(
+    pub(crate) fn estimate_noise(
         &self,
         curve: &Curve,
-        unknowns: &[f64; NUISANCES],
+        nuisances: &[f64; NUISANCES],
         fit: Option<&Fit>,
         points: &mut [Point],
     ) -> Noise {
@@ -49,8 +49,8 @@ impl Solver<'_, '_, '_, '_> {
             .map(|noise| noise / half_width);
         let data = self.data(&[], 1.0);
         for point in &mut *points {
-            let left = data.left(curve, point.place, unknowns);
-            (point.residual, point.along, point.below) = left;
+            let residual = data.point_residual(curve, point.place, nuisances);
+            (point.residual, point.along, point.below) = residual;
         }
         // The median of the residuals' sizes by halving, for which they need no order.
         let count = points.len() as f64;
@@ -69,23 +69,23 @@ impl Solver<'_, '_, '_, '_> {
         let (mut sum, mut squares) = (0.0, 0.0);
         for point in &mut *points {
             let size = point.residual.abs() / scale;
-            point.weight = if size > ROBUST { ROBUST / size } else { 1.0 };
+            point.weight = if size > HUBER { HUBER / size } else { 1.0 };
             sum += point.weight * point.residual * point.residual;
             squares += point.residual * point.residual;
         }
-        let fitted = fit.map_or(2.0, fitted);
-        let freedom = (count - fitted).max(1.0);
-        let estimated = libm::sqrt(ROBUST_VARIANCE * sum / freedom).max(LEAST_NOISE);
+        let effective_parameters = fit.map_or(2.0, effective_parameters);
+        let freedom = (count - effective_parameters).max(1.0);
+        let estimated = libm::sqrt(HUBER_VARIANCE * sum / freedom).max(LEAST_NOISE);
         // More scatter than was said is there, if it is not by chance.
         let noise = match given {
-            Some(given) if estimated < given * (1.0 + FAR / libm::sqrt(2.0 * freedom)) => given,
+            Some(given) if estimated < given * (1.0 + SIGNIFICANT / libm::sqrt(2.0 * freedom)) => given,
             _ => estimated,
         };
-        let together = together(points);
+        let correlated = correlated(points);
         Noise {
-            counted: noise * libm::sqrt(together),
+            effective: noise * libm::sqrt(correlated),
             point: noise,
-            together,
+            correlated,
             freedom,
             chi_squared: sum / (noise * noise),
             residual: libm::sqrt(squares / count.max(1.0)),
@@ -93,9 +93,9 @@ impl Solver<'_, '_, '_, '_> {
     }
 }
 
-/// How many unknowns the points determine, each as far as they do.
-fn fitted(fit: &Fit) -> f64 {
-    let own = Factor::new(&fit.others).map_or(0.0, |factor| {
+/// How many nuisances the points determine, each as far as they do.
+fn effective_parameters(fit: &Fit) -> f64 {
+    let own = Factor::new(&fit.nuisance_matrix).map_or(0.0, |factor| {
         (0..NUISANCES)
             .map(|i| 1.0 - fit.priors[i] * factor.inverse_column(i)[i])
             .sum()
@@ -105,7 +105,7 @@ fn fitted(fit: &Fit) -> f64 {
 
 /// How many neighbouring residuals are as good as one: 1 + 2 sum of the autocorrelations, as far as they are more than
 /// chance.
-fn together(points: &[Point]) -> f64 {
+fn correlated(points: &[Point]) -> f64 {
     const LAGS: usize = 30;
     let n = points.len();
     let weighted = |i: usize| {
@@ -115,24 +115,24 @@ fn together(points: &[Point]) -> f64 {
     };
     let square: f64 = (0..n).map(|i| weighted(i) * weighted(i)).sum();
     let chance = 2.0 / libm::sqrt(n as f64);
-    let mut together = 1.0;
+    let mut correlated = 1.0;
     for lag in 1..LAGS.min(n / 4) {
         let product: f64 = (0..n).map(|i| weighted(i) * weighted(i + lag)).sum();
         let correlation = product / square.max(f64::MIN_POSITIVE);
         if correlation < chance {
             break;
         }
-        together += 2.0 * correlation;
+        correlated += 2.0 * correlation;
     }
-    together
+    correlated
 }
 
-/// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal until
+/// Gathers points in bins along the curve, each on either side: the mean of the places, displaced along the normal until
 /// its residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
-pub(crate) fn gather(
+pub(crate) fn bin(
     data: &Data<'_>,
     curve: &Curve,
-    unknowns: &[f64; NUISANCES],
+    nuisances: &[f64; NUISANCES],
     points: &[Point],
     bins: &mut [Point; 2 * BINS],
 ) -> usize {
@@ -154,9 +154,9 @@ pub(crate) fn gather(
         let bin = bins[i];
         if bin.weight > 0.0 {
             let place = bin.place.map(|x| x / bin.weight);
-            let (left, along, below) = data.left(curve, place, unknowns);
-            let normal = data.normal_at(curve, place, unknowns);
-            let missing = bin.residual / bin.weight - left;
+            let (residual, along, below) = data.point_residual(curve, place, nuisances);
+            let normal = data.normal_at(curve, place, nuisances);
+            let missing = bin.residual / bin.weight - residual;
             bins[count] = Point {
                 place: [0, 1].map(|d| place[d] + missing * normal[d]),
                 weight: bin.weight,

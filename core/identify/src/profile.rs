@@ -51,6 +51,8 @@ pub(crate) struct Profile<'p> {
     pub(crate) sum: f64,
     /// The sum beside the fit, if it is known.
     pub(crate) local: Option<Local>,
+    /// Standard deviations of the model's own parameters: see `model_error`.
+    pub(crate) model_parameters: [f64; 2],
 }
 
 /// Sum of squares and place with the best value of the other parameter.
@@ -92,6 +94,10 @@ impl Fitter<'_, '_, '_> {
             for (interval, quantile) in intervals.iter_mut().zip(quantiles) {
                 let (value, open) = self.end(profile, [along, across], g, sign, quantile)?;
                 interval.open[end] = open;
+                // The model's own error of the quantity is independent of the rest.
+                let own =
+                    quantile * libm::hypot(g[0] * profile.model_parameters[0], g[1] * profile.model_parameters[1]);
+                let value = if open { value } else { sign * libm::hypot(value, own) };
                 *(if end == 0 {
                     &mut interval.low
                 } else {
@@ -167,13 +173,15 @@ impl Fitter<'_, '_, '_> {
         const WAY: f64 = 0.7;
         let at = |s: f64| [place[0] + s * across[0], place[1] + s * across[1]];
         let rise = |fitter: &mut Self, theta: [f64; 2]| -> Result<Option<f64>, EvaluateError> {
-            let Profile { data, fit, sum, local } = profile;
+            let Profile {
+                data, fit, sum, local, ..
+            } = profile;
             if !fitter.inside(fit.side, theta) {
                 return Ok(None);
             }
             let found = match local.as_ref().and_then(|local| local.sum(theta)) {
                 Some(found) => Some(found),
-                None => Self::profiled(data, &fitter.shapes.at(theta)?, &fit.unknowns).map(|(found, _)| found),
+                None => Self::profiled(data, &fitter.shapes.at(theta)?, &fit.nuisances).map(|(found, _)| found),
             };
             Ok(found.map(|found| found - sum))
         };

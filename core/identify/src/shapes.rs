@@ -3,7 +3,7 @@
 use crate::curve::{Curve, MAX_HALF, dot};
 use capsule_core::{
     EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Parameters, Query, Scene, Workspace, scratch_len,
-    silhouette,
+    silhouette, silhouette_derivatives,
 };
 
 /// The kind of the measured outline.
@@ -23,18 +23,21 @@ pub type Store = Workspace<f32, 129, 0, 32, { scratch_len(0, 32) }>;
 pub struct Memory<'w> {
     /// Storage of the model's evaluation.
     pub workspace: &'w mut Store,
-    /// For [`Observable::Silhouette`], room for all nodes; else it may be empty.
+    /// For [`Observable::Silhouette`], room for [`NODES_ROOM`] times all nodes; else it may be empty.
     pub positions: &'w mut [[f32; 3]],
     /// For [`Observable::Silhouette`], room for the sector's nodes; else it may be empty.
     pub normals: &'w mut [[f32; 3]],
 }
 
-/// Rays of half a silhouette: so many that chords do for the curve, also where rays cut it at a small angle.
-const RAYS: usize = 385;
-
 /// Steps of the differences that give derivatives, in ln Ca and a/l. The outline of the shipped model comes with a
 /// rounding of 1e-5 l and changes by 0.05 to 0.3 l per unit of ln Ca, by 0.5 to 2 l per unit of a/l.
 const STEPS: [f64; 2] = [0.02, 0.004];
+
+/// How many vectors each node needs for a silhouette: its position, and the derivatives by both parameters.
+pub const NODES_ROOM: usize = 3;
+
+/// Rays of half a silhouette: so many that chords do for the curve, also where rays cut it at a small angle.
+const RAYS: usize = 385;
 
 /// The outline at some parameters; lengths in l.
 #[derive(Clone, Debug)]
@@ -45,6 +48,8 @@ pub struct Shape {
     pub scalars: [f64; SCALARS],
     /// The bound that 95 % of the model's errors stay below.
     pub bound: f64,
+    /// The error that the model expects.
+    pub expected_error: f64,
 }
 
 /// Number of a shape's scalars.
@@ -63,9 +68,17 @@ pub const RADIUS: usize = 4;
 /// Derivatives by [ln Ca, a/l].
 #[derive(Clone, Debug)]
 pub(crate) struct Sensitivity {
-    /// Outward movement of the curve at its points.
-    pub(crate) outward: [[f64; 2]; MAX_HALF],
+    /// Derivatives of the curve: a curve is linear in its points, so they are the curves through theirs. What its
+    /// points move along the curve does not count.
+    pub(crate) curves: [Curve; 2],
     pub(crate) scalars: [[f64; 2]; SCALARS],
+}
+
+impl Sensitivity {
+    /// Outward movement of the curve at a place with its normal.
+    pub(crate) fn outward(&self, place: f64, normal: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|d| dot(self.curves[d].at_place(place), normal))
+    }
 }
 
 /// A model, looked at in one way.
@@ -100,6 +113,16 @@ impl<'a, 'w> Shapes<'a, 'w> {
         self.observable
     }
 
+    /// The instant, in l/V.
+    pub fn instant(&self) -> f64 {
+        f64::from(self.t)
+    }
+
+    /// Looks at another instant from now on.
+    pub fn set_instant(&mut self, t: f64) {
+        self.t = t as f32;
+    }
+
     /// How many outlines were computed.
     pub fn evaluations(&self) -> u32 {
         self.evaluations
@@ -109,13 +132,14 @@ impl<'a, 'w> Shapes<'a, 'w> {
     ///
     /// # Errors
     /// Those of the evaluation: outside the domain, a model without outlines, memory that is too short.
-    pub fn at(&mut self, [ca, confinement]: [f64; 2]) -> Result<Shape, EvaluateError> {
+    pub fn at(&mut self, theta: [f64; 2]) -> Result<Shape, EvaluateError> {
         self.evaluations += 1;
-        let parameters = Parameters::from_doubles(&[libm::exp(ca), confinement]).ok_or(EvaluateError::NotFinite)?;
+        let [_, confinement] = theta;
         let mut evaluator = Evaluator::new(self.model, self.memory.workspace)?;
-        evaluator.prepare(&Query::new(parameters, Method::Direct))?;
+        evaluator.prepare(&query(theta)?)?;
         let mut instant = evaluator.at(self.t)?;
         let bound = f64::from(instant.error_bound()?) * confinement;
+        let expected_error = f64::from(instant.expected_error()?) * confinement;
         let velocity = f64::from(instant.centroid_velocity()?);
         let mut points = [[0.0_f32; 2]; MAX_HALF];
         let (count, rear_pole) = match self.observable {
@@ -125,19 +149,18 @@ impl<'a, 'w> Shapes<'a, 'w> {
                 (count, f64::from(rear[0]))
             }
             Observable::Silhouette => {
-                let scene = Scene {
-                    nodes: Nodes::All,
-                    frame: Frame::Centroid,
-                };
-                let mut rear = [[0.0; 2]; MAX_HALF];
-                let nodes = instant.outline(MIDPLANE, Frame::Centroid, &mut rear)?;
-                let [rear, _] = rear.get(nodes.saturating_sub(1)).copied().unwrap_or_default();
-                instant.positions(&scene, self.memory.positions)?;
-                let mesh = self.model.mesh();
+                instant.positions(&ALL, self.memory.positions)?;
+                let rear = self
+                    .memory
+                    .positions
+                    .get(rear_pole(self.model))
+                    .copied()
+                    .unwrap_or_default();
                 let mut rays = [[0.0; 2]; RAYS];
-                silhouette(&mesh, self.memory.positions, [1.0, 0.0], self.memory.normals, &mut rays)?;
-                evenly(&rays, &mut points);
-                (MAX_HALF, f64::from(rear))
+                let mesh = self.model.mesh();
+                silhouette(&mesh, self.memory.positions, ALONG_Z, self.memory.normals, &mut rays)?;
+                evenly(&rays, &[[]; RAYS], &mut points, &mut [[]; MAX_HALF]);
+                (MAX_HALF, f64::from(rear[0]))
             }
         };
         let points = points.get(..count).unwrap_or_default();
@@ -154,19 +177,23 @@ impl<'a, 'w> Shapes<'a, 'w> {
             velocity,
             confinement,
         ];
-        Ok(Shape { curve, scalars, bound })
+        Ok(Shape {
+            curve,
+            scalars,
+            bound,
+            expected_error,
+        })
     }
 
-    /// Derivatives at a place, by differences between two places on either side in each parameter, as `ends` gives
-    /// them for the steps: at an edge of the domain one of them may be the place itself.
-    ///
-    pub(crate) fn sensitivity(
+    /// Derivatives of a shape by differences between two places on either side in each parameter, as `ends` gives them
+    /// for the steps: at an edge of the domain one of them may be the place itself.
+    pub(crate) fn secants(
         &mut self,
         shape: &Shape,
         ends: impl Fn([f64; 2]) -> [[f64; 2]; 2],
     ) -> Result<Sensitivity, EvaluateError> {
         let mut sensitivity = Sensitivity {
-            outward: [[0.0; 2]; MAX_HALF],
+            curves: [Curve::EMPTY; 2],
             scalars: [[0.0; 2]; SCALARS],
         };
         for (d, step) in STEPS.into_iter().enumerate() {
@@ -176,9 +203,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
             let width = after[d] - before[d];
             let [low, high] = [self.at(before)?, self.at(after)?];
             let share = if width > 0.0 { 1.0 / width } else { 0.0 };
-            for (i, outward) in sensitivity.outward.iter_mut().enumerate().take(shape.curve.count()) {
-                outward[d] = share * self.outward(i, shape, [&low.curve, &high.curve]);
-            }
+            sensitivity.curves[d] = self.difference(shape, [&low, &high], share);
             let scalars = low.scalars.iter().zip(&high.scalars);
             for (derivative, (low, high)) in sensitivity.scalars.iter_mut().zip(scalars) {
                 derivative[d] = share * (high - low);
@@ -186,51 +211,163 @@ impl<'a, 'w> Shapes<'a, 'w> {
         }
         Ok(sensitivity)
     }
-    /// How far a point of the curve moves outward from one curve to another beside it.
-    fn outward(&self, i: usize, shape: &Shape, [low, high]: [&Curve; 2]) -> f64 {
-        let point = |curve: &Curve| curve.points().get(i).copied().unwrap_or_default();
+
+    /// The difference of two shapes on either side of a third, times a factor, as movement of its curve's points.
+    pub(crate) fn difference(&self, shape: &Shape, [low, high]: [&Shape; 2], factor: f64) -> Curve {
+        let mut points = [[0.0; 2]; MAX_HALF];
+        for (i, (out, place)) in points.iter_mut().zip(shape.curve.points()).enumerate() {
+            let point = |shape: &Shape| shape.curve.points().get(i).copied().unwrap_or_default();
+            *out = match self.observable {
+                // The same point of the membrane.
+                Observable::Midplane => {
+                    let ([x0, y0], [x1, y1]) = (point(low), point(high));
+                    [factor * (x1 - x0), factor * (y1 - y0)]
+                }
+                // Other points of the membrane, which may move far along a bent curve.
+                Observable::Silhouette => {
+                    let distance = |shape: &Shape| shape.curve.nearest_from(i, *place).distance;
+                    let outward = factor * (distance(low) - distance(high));
+                    shape.curve.normal(i).map(|n| outward * n)
+                }
+            };
+        }
+        Curve::through(points.into_iter().take(shape.curve.count())).unwrap_or(Curve::EMPTY)
+    }
+
+    /// Derivatives of a shape of the model at its place, those of the interpolation.
+    pub(crate) fn derivatives(
+        &mut self,
+        shape: &Shape,
+        [ca, confinement]: [f64; 2],
+    ) -> Result<Sensitivity, EvaluateError> {
+        self.evaluations += 1;
+        // By ln Ca.
+        let factors = [libm::exp(ca), 1.0];
+        let query = query([ca, confinement])?;
+        let mut evaluator = Evaluator::new(self.model, self.memory.workspace)?;
+        let mut derivatives = evaluator.derivatives(&query, self.t)?;
+        let mut points = [[[0.0; 2]; MAX_HALF]; 2];
+        let mut rear_poles = [0.0; 2];
+        let mut scalars = [[0.0; 2]; SCALARS];
+        for d in 0..2 {
+            scalars[VELOCITY][d] = factors[d] * f64::from(derivatives.centroid_velocity(d)?);
+        }
         match self.observable {
-            // The same point of the membrane: what it moves along the curve does not count.
             Observable::Midplane => {
-                let ([x0, y0], [x1, y1]) = (point(low), point(high));
-                dot([x1 - x0, y1 - y0], shape.curve.normal(i))
+                for d in 0..2 {
+                    let mut singles = [[0.0_f32; 2]; MAX_HALF];
+                    let count = derivatives.outline(d, MIDPLANE, Frame::Centroid, &mut singles)?;
+                    points[d] = singles.map(|point| point.map(|x| factors[d] * f64::from(x)));
+                    rear_poles[d] = points[d].get(count.saturating_sub(1)).map_or(0.0, |rear| rear[0]);
+                }
             }
-            // Other points of the membrane, which may move far along a bent curve.
             Observable::Silhouette => {
-                let place = point(&shape.curve);
-                low.nearest_from(i, place).distance - high.nearest_from(i, place).distance
+                let pole = rear_pole(self.model);
+                let [positions, fields @ ..] = split(self.memory.positions, self.model.mesh().nodes())?;
+                for d in 0..2 {
+                    derivatives.positions(d, &ALL, fields[d])?;
+                    let rear = fields[d].get(pole).copied().unwrap_or_default();
+                    rear_poles[d] = factors[d] * f64::from(rear[0]);
+                }
+                // The positions are gone where other shapes came after this one.
+                evaluator.prepare(&query)?;
+                evaluator.at(self.t)?.positions(&ALL, positions)?;
+                let (mut rays, mut movement) = ([[0.0; 2]; RAYS], [[[0.0; 2]; 2]; RAYS]);
+                let mesh = self.model.mesh();
+                let fields = fields.map(|field| &*field);
+                let normals = &mut *self.memory.normals;
+                silhouette_derivatives(&mesh, positions, fields, ALONG_Z, normals, &mut rays, &mut movement)?;
+                let mut places = [[0.0; 2]; MAX_HALF];
+                for d in 0..2 {
+                    let mut singles = [[0.0; 2]; MAX_HALF];
+                    evenly(&rays, &movement.map(|by| by[d]), &mut places, &mut singles);
+                    points[d] = singles.map(|point| point.map(|x| factors[d] * f64::from(x)));
+                }
             }
         }
+        let count = shape.curve.count();
+        let [by_ca, by_confinement] =
+            points.map(|points| Curve::through(points.into_iter().take(count)).unwrap_or(Curve::EMPTY));
+        let curves = [by_ca, by_confinement];
+        // At an extreme of the outline what it moves along itself does not count.
+        let [front, rear, widest] = shape.curve.extremes();
+        for (d, curve) in curves.iter().enumerate() {
+            let [front, rear] = [front, rear].map(|place| curve.at_place(place)[0]);
+            scalars[LENGTH][d] = front - rear;
+            scalars[HALF_WIDTH][d] = curve.at_place(widest)[1];
+            if shape.scalars[REAR_DEPTH] > 0.0 {
+                scalars[REAR_DEPTH][d] = rear_poles[d] - rear;
+            }
+        }
+        scalars[RADIUS] = [0.0, 1.0];
+        Ok(Sensitivity { curves, scalars })
     }
 }
 
-/// Points at equal distances along a chain of others, from its first to its last.
-fn evenly(chain: &[[f32; 2]], out: &mut [[f32; 2]; MAX_HALF]) {
-    let length = |pair: &[[f32; 2]]| match pair {
-        [[x0, y0], [x1, y1]] => libm::sqrtf((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)),
-        _ => 0.0,
-    };
-    let whole: f32 = chain.windows(2).map(length).sum();
+/// Seen along z.
+const ALONG_Z: [f32; 2] = [1.0, 0.0];
+
+const ALL: Scene<'_> = Scene {
+    nodes: Nodes::All,
+    frame: Frame::Centroid,
+};
+
+/// The query at [ln Ca, a/l].
+fn query([ca, confinement]: [f64; 2]) -> Result<Query<f32>, EvaluateError> {
+    let parameters = Parameters::from_doubles(&[libm::exp(ca), confinement]).ok_or(EvaluateError::NotFinite)?;
+    Ok(Query::new(parameters, Method::Direct))
+}
+
+/// The node on the axis behind.
+fn rear_pole(model: &Model<'_>) -> usize {
+    model
+        .node_set(MIDPLANE)
+        .and_then(|nodes| nodes.iter().last())
+        .unwrap_or(0)
+}
+
+/// Room for the positions, and for their derivatives by both parameters.
+fn split(room: &mut [[f32; 3]], nodes: usize) -> Result<[&mut [[f32; 3]]; 3], EvaluateError> {
+    let (required, found) = (NODES_ROOM * nodes, room.len());
+    let mut parts = room.chunks_exact_mut(nodes.max(1));
+    match (parts.next(), parts.next(), parts.next()) {
+        (Some(a), Some(b), Some(c)) => Ok([a, b, c]),
+        _ => Err(EvaluateError::BufferTooShort { required, found }),
+    }
+}
+
+/// Points at equal distances along a chain of others, from its first to its last, and values known at these between
+/// them.
+fn evenly<const D: usize>(
+    chain: &[[f32; 2]; RAYS],
+    values: &[[f32; D]; RAYS],
+    out: &mut [[f32; 2]; MAX_HALF],
+    out_values: &mut [[f32; D]; MAX_HALF],
+) {
+    let length = |[x0, y0]: [f32; 2], [x1, y1]: [f32; 2]| libm::sqrtf((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0));
+    let whole: f32 = chain.windows(2).map(|pair| length(pair[0], pair[1])).sum();
     let step = whole / (MAX_HALF - 1) as f32;
-    let mut way = 0.0;
-    let mut next = 0;
-    for pair in chain.windows(2) {
-        let own = length(pair);
-        while let (true, [[x0, y0], [x1, y1]], Some(out)) = (next as f32 * step <= way + own, pair, out.get_mut(next)) {
+    let (mut way, mut next) = (0.0, 0);
+    for (i, pair) in chain.windows(2).enumerate() {
+        let own = length(pair[0], pair[1]);
+        // Rounding may leave out the last.
+        let ends = i + 2 == RAYS;
+        while next < MAX_HALF && (ends || next as f32 * step <= way + own) {
             let share = if own > 0.0 {
-                (next as f32 * step - way) / own
+                ((next as f32 * step - way) / own).min(1.0)
             } else {
                 0.0
             };
-            *out = [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
+            out[next] = between(pair[0], pair[1], share);
+            out_values[next] = between(values[i], values[i + 1], share);
             next += 1;
         }
         way += own;
     }
-    // Rounding may leave out the last.
-    if let (Some(last), Some(rest)) = (chain.last(), out.get_mut(next..)) {
-        rest.fill(*last);
-    }
+}
+
+fn between<const D: usize>(a: [f32; D], b: [f32; D], share: f32) -> [f32; D] {
+    core::array::from_fn(|d| a[d] + share * (b[d] - a[d]))
 }
 
 #[cfg(test)]
@@ -239,18 +376,21 @@ mod tests {
 
     #[test]
     fn points_lie_at_equal_distances() {
-        let chain: [[f32; 2]; 200] = core::array::from_fn(|i| {
-            let angle = core::f32::consts::PI * (i as f32 / 199.0) * (i as f32 / 199.0);
+        let chain: [[f32; 2]; RAYS] = core::array::from_fn(|i| {
+            let share = i as f32 / (RAYS - 1) as f32;
+            let angle = core::f32::consts::PI * share * share;
             [libm::cosf(angle), libm::sinf(angle)]
         });
         let mut out = [[0.0; 2]; MAX_HALF];
-        evenly(&chain, &mut out);
+        let mut values = [[0.0; 1]; MAX_HALF];
+        evenly(&chain, &chain.map(|[x, _]| [x]), &mut out, &mut values);
         for (i, [x, y]) in out.into_iter().enumerate() {
             let angle = core::f32::consts::PI * i as f32 / (MAX_HALF - 1) as f32;
             assert!(
                 (x - libm::cosf(angle)).abs() < 1e-3 && (y - libm::sinf(angle)).abs() < 1e-3,
                 "{i}"
             );
+            assert_eq!(values[i], [x]);
         }
     }
 }

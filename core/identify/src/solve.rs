@@ -2,33 +2,34 @@
 
 use crate::domain::Domain;
 use crate::error::IdentifyError;
-use crate::fit::{Fit, Fitter};
+use crate::fit::{Fit, Fitter, Slopes};
 use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
 use crate::measurement::{Direction, Flow, Measurement};
-use crate::noise::{BINS, LEAST_NOISE, Noise, gather};
+use crate::model_error;
+use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
 use crate::profile::{Interval, Profile};
 use crate::residuals::{Data, EDGE, MODES, NUISANCES, Point, SCALE, SHIFT, TILT};
 use crate::shapes::{Shapes, VELOCITY};
-use crate::solver::{FAR, Solver};
-use crate::starts::{Candidate, FEW};
+use crate::solver::{SIGNIFICANT, Solver};
+use crate::starts::{Candidate, START_POINTS};
 use capsule_core::EvaluateError;
 
 /// A start whose sum is greater than the best by this is dropped before all points take part.
-const HOPELESS: f64 = 40.0;
+const DROPPED_RISE: f64 = 40.0;
 /// A solution whose sum is greater by no more than this is as good (95 %, one degree of freedom).
-const AS_GOOD: f64 = 3.84;
+const CHI_SQUARED_95: f64 = 3.84;
 /// The most rounds of fits and weights.
-const ROUNDS: usize = 4;
-/// A change of the noise that needs no new fit.
-const SETTLED: f64 = 0.1;
+const ROUNDS: usize = 6;
+/// A change of the noise or of the scale of the model's error that needs no new fit, as a share.
+const NOISE_TOLERANCE: f64 = 0.1;
 /// Standard normal quantiles of 68.27 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_964];
 /// More of the model's error than it ever has: with a normal distribution 24 on average and 51 once in a thousand, but
 /// large errors are more frequent than that.
-const STRUCTURE: f64 = 150.0;
+const GREATEST_STRUCTURE: f64 = 150.0;
 /// Neighbouring residuals that err alike, more than by chance.
-const TOGETHER: f64 = 3.0;
+const CORRELATED: f64 = 3.0;
 
 /// Identifies a capsule. `points` is room for as many points as the contour has.
 ///
@@ -57,7 +58,7 @@ pub fn identify(
     Ok(solved)
 }
 
-fn check(measurement: &Measurement<'_>, room: usize) -> Result<(), IdentifyError> {
+pub(crate) fn check(measurement: &Measurement<'_>, capacity: usize) -> Result<(), IdentifyError> {
     let setup = &measurement.setup;
     let (what, flow) = match setup.flow {
         Flow::MeanVelocity(value) => ("the mean velocity", value),
@@ -103,7 +104,7 @@ fn check(measurement: &Measurement<'_>, room: usize) -> Result<(), IdentifyError
                 let what = "the noise of the contour";
                 return Err(IdentifyError::Number { what, value });
             }
-            Ok(contour.check(setup.half_width_um, room)?)
+            Ok(contour.check(setup.half_width_um, capacity)?)
         }
         None if measurement.lengths.count() < 2 => Err(IdentifyError::TooFewLengths {
             found: measurement.lengths.count(),
@@ -127,34 +128,48 @@ impl Solver<'_, '_, '_, '_> {
         }
         let least = candidates.iter().flatten().map(|c| c.sum).fold(f64::INFINITY, f64::min);
         // Where even the best start leaves much, the noise is greater than was assumed.
-        let hopeless = least + HOPELESS * (least / FEW as f64).max(1.0);
+        let hopeless = least + DROPPED_RISE * (least / START_POINTS as f64).max(1.0);
         let candidates = candidates.map(|candidate| candidate.filter(|c| c.sum <= hopeless));
         let mut bins = [Point::default(); 2 * BINS];
         // Noise and weights of the points from the residuals of the best fit so far, until they stay. A fit works with
         // the points in bins.
         let mut noise = Noise::default();
+        let mut scale = 1.0;
         let mut fits: [Option<Fit>; 2] = [None, None];
         for round in 0..ROUNDS {
             let best = best(&fits);
-            let before = noise.counted;
-            let from = best.map(|fit| (fit.theta, fit.unknowns));
+            let before = [noise.effective, scale];
+            if let Some(fit) = best.filter(|_| !points.is_empty() && self.measurement.priors.model > 0.0) {
+                scale = model_error::scale(fit, scale);
+            }
+            let from = best.map(|fit| (fit.theta, fit.nuisances));
             let started = candidates.iter().flatten().min_by(|a, b| a.sum.total_cmp(&b.sum));
-            let Some((theta, unknowns)) = from.or(started.map(|c| (c.theta, c.unknowns))) else {
+            let Some((theta, nuisances)) = from.or(started.map(|c| (c.theta, c.nuisances))) else {
                 return Err(IdentifyError::NoFit);
             };
             let shape = self.fitter.shapes.at(theta)?;
-            noise = self.weigh(&shape.curve, &unknowns, best, points);
-            if round > 1 && (noise.counted - before).abs() < SETTLED * before {
+            noise = self.estimate_noise(&shape.curve, &nuisances, best, points);
+            let changes = [noise.effective, scale].into_iter().zip(before);
+            if round > 1
+                && changes
+                    .into_iter()
+                    .all(|(now, before)| (now - before).abs() < NOISE_TOLERANCE * before)
+            {
                 break;
             }
-            let count = gather(&self.data(&[], 1.0), &shape.curve, &unknowns, points, &mut bins);
-            let data = self.data(bins.get(..count).unwrap_or_default(), noise.counted.max(LEAST_NOISE));
+            let count = bin(&self.data(&[], 1.0), &shape.curve, &nuisances, points, &mut bins);
+            let data = Data {
+                scale,
+                ..self.data(bins.get(..count).unwrap_or_default(), noise.effective.max(LEAST_NOISE))
+            };
             for (fit, candidate) in fits.iter_mut().zip(&candidates) {
                 if let Some(candidate) = candidate {
-                    let (theta, unknowns) = fit
+                    let (theta, nuisances) = fit
                         .as_ref()
-                        .map_or((candidate.theta, candidate.unknowns), |fit| (fit.theta, fit.unknowns));
-                    *fit = self.fitter.fit(&data, candidate.side, theta, unknowns)?;
+                        .map_or((candidate.theta, candidate.nuisances), |fit| (fit.theta, fit.nuisances));
+                    *fit = self
+                        .fitter
+                        .fit(&data, candidate.side, theta, Slopes::Secant, nuisances)?;
                 }
             }
         }
@@ -173,7 +188,7 @@ impl Solver<'_, '_, '_, '_> {
         self.state(
             direction,
             fit,
-            alternative.filter(|other| other.rise <= AS_GOOD),
+            alternative.filter(|other| other.rise <= CHI_SQUARED_95),
             points,
             noise,
         )
@@ -197,11 +212,18 @@ impl Solver<'_, '_, '_, '_> {
             Flow::CapsuleVelocity(capsule) => capsule / velocity,
         };
         let mut bins = [Point::default(); 2 * BINS];
-        let count = gather(&self.data(&[], 1.0), &fit.shape.curve, &fit.unknowns, points, &mut bins);
+        let count = bin(
+            &self.data(&[], 1.0),
+            &fit.shape.curve,
+            &fit.nuisances,
+            points,
+            &mut bins,
+        );
         let bins = bins.get(..count).unwrap_or_default();
         let data = Data {
             bound: fit.bound,
-            ..self.data(bins, noise.counted.max(LEAST_NOISE))
+            scale: fit.scale,
+            ..self.data(bins, noise.effective.max(LEAST_NOISE))
         };
         // Student's quantiles for a noise that is an estimate itself.
         let freedom = noise.freedom.max(3.0);
@@ -217,11 +239,18 @@ impl Solver<'_, '_, '_, '_> {
                 z * (1.0 + (z * z + 1.0) / (4.0 * freedom))
             }
         });
+        let model_parameters = if points.is_empty() {
+            [0.0; 2]
+        } else {
+            model_error::of_parameters(&fit.shape, &fit.sensitivity)
+                .map(|deviation| self.measurement.priors.model * deviation)
+        };
         let mut profile = Profile {
             data,
             fit: &fit,
-            sum: Fitter::profiled(&data, &fit.shape, &fit.unknowns).map_or(fit.sum, |(sum, _)| sum),
+            sum: Fitter::profiled(&data, &fit.shape, &fit.nuisances).map_or(fit.sum, |(sum, _)| sum),
             local: None,
+            model_parameters,
         };
         if let Some(steps) = fit
             .reduced
@@ -232,13 +261,13 @@ impl Solver<'_, '_, '_, '_> {
         }
         let ratio = fit.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
         let gradients = [[1.0, 0.0], [0.0, 1.0], [1.0 + ratio[0], ratio[1]]];
-        let told = matches!(setup.flow, Flow::CapsuleVelocity(_));
+        let of_capsule = matches!(setup.flow, Flow::CapsuleVelocity(_));
         let mut intervals = [None; 3];
-        for (interval, gradient) in intervals.iter_mut().zip(gradients).take(if told { 3 } else { 2 }) {
+        for (interval, gradient) in intervals.iter_mut().zip(gradients).take(if of_capsule { 3 } else { 2 }) {
             *interval = self.fitter.intervals(&profile, gradient, quantiles)?;
         }
         let [ca, confinement, modulus] = intervals;
-        let modulus = if told { modulus } else { ca };
+        let modulus = if of_capsule { modulus } else { ca };
         let value = libm::exp(fit.theta[0]);
         let estimate = |value: f64, intervals: Option<[Interval; 2]>, from: &dyn Fn(f64) -> f64| {
             let none = Interval {
@@ -254,8 +283,8 @@ impl Solver<'_, '_, '_, '_> {
             }
         };
         let shear = setup.viscosity_pa_s * mean_velocity / value;
-        let structure = fit.unknowns.iter().enumerate().skip(NUISANCES - MODES).map(|(i, c)| {
-            let share = c / data.deviation(i);
+        let structure = fit.nuisances.iter().enumerate().skip(NUISANCES - MODES).map(|(i, c)| {
+            let share = c * fit.scale / data.deviation(i);
             share * share
         });
         let found = Identification {
@@ -267,7 +296,7 @@ impl Solver<'_, '_, '_, '_> {
             shear_modulus_n_per_m: estimate(shear, modulus, &|change| shear * libm::exp(-change)),
             mean_velocity_m_s: mean_velocity,
             deviations: fit.reduced.covariance().map_or([f64::INFINITY; 2], |covariance| {
-                [0, 1].map(|d| libm::sqrt(covariance[d][d]))
+                [0, 1].map(|d| libm::hypot(libm::sqrt(covariance[d][d]), model_parameters[d]))
             }),
             correlation: fit.reduced.covariance().map_or(f64::NAN, |covariance| {
                 covariance[0][1] / libm::sqrt(covariance[0][0] * covariance[1][1])
@@ -276,10 +305,10 @@ impl Solver<'_, '_, '_, '_> {
             degrees_of_freedom: noise.freedom,
             residual_um: noise.residual * half_width,
             noise_um: noise.point * half_width,
-            correlated_points: noise.together,
-            edge_um: fit.unknowns[EDGE] * half_width,
-            scale_error: fit.unknowns[SCALE],
-            tilt: fit.unknowns[TILT],
+            correlated_points: noise.correlated,
+            edge_um: fit.nuisances[EDGE] * half_width,
+            scale_error: fit.nuisances[SCALE],
+            tilt: fit.nuisances[TILT],
             direction,
             frame: Frame {
                 direction,
@@ -288,9 +317,9 @@ impl Solver<'_, '_, '_, '_> {
                     .measurement
                     .contour
                     .map_or([0.0; 2], |contour| contour.framed(direction, half_width).middle),
-                shift: [fit.unknowns[SHIFT], fit.unknowns[SHIFT + 1]],
-                tilt: fit.unknowns[TILT],
-                scale_error: fit.unknowns[SCALE],
+                shift: [fit.nuisances[SHIFT], fit.nuisances[SHIFT + 1]],
+                tilt: fit.nuisances[TILT],
+                scale_error: fit.nuisances[SCALE],
             },
             structure: structure.sum(),
             side: fit.side,
@@ -308,16 +337,16 @@ impl Solver<'_, '_, '_, '_> {
         let priors = &self.measurement.priors;
         let given = self.measurement.contour.and_then(|contour| contour.noise_um);
         let noisy = given.is_some_and(|given| found.noise_um > 2.0 * given);
-        let far = |value: f64, deviation: f64| value.abs() > FAR * deviation && deviation > 0.0;
+        let far = |value: f64, deviation: f64| value.abs() > SIGNIFICANT * deviation && deviation > 0.0;
         let open = |intervals: Option<[Interval; 2]>| intervals.is_none_or(|[_, wide]| wide.open != [false; 2]);
         let [ca, confinement, _] = intervals;
         // The part of the residuals that is smooth along the contour, against the errors of the edge and the model.
         let smooth = found.residual_um * libm::sqrt(1.0 - 1.0 / found.correlated_points.max(1.0));
         let allowed = priors.edge_um.max(fit.bound * self.measurement.setup.half_width_um);
-        let structured = found.correlated_points > TOGETHER && smooth > allowed;
-        if structured || (priors.model > 0.0 && (found.structure > STRUCTURE || noisy)) {
+        let structured = found.correlated_points > CORRELATED && smooth > allowed;
+        if structured || (priors.model > 0.0 && (found.structure > GREATEST_STRUCTURE || noisy)) {
             Verdict::NotSuchACapsule
-        } else if fit.pressure > AS_GOOD {
+        } else if fit.fall_outside > CHI_SQUARED_95 {
             Verdict::OutsideDomain
         } else if far(found.edge_um, priors.edge_um) || far(found.scale_error, priors.scale) {
             Verdict::ScaleInconsistent

@@ -6,7 +6,7 @@ use crate::residuals::{Data, Point};
 use crate::shapes::SCALARS;
 
 /// Deviations of scale or edge that are too many.
-pub(crate) const FAR: f64 = 3.0;
+pub(crate) const SIGNIFICANT: f64 = 3.0;
 
 pub(crate) struct Solver<'f, 'a, 'w, 'm> {
     pub(crate) fitter: Fitter<'f, 'a, 'w>,

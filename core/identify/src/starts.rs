@@ -2,24 +2,25 @@
 
 use crate::domain::Side;
 use crate::error::IdentifyError;
+use crate::fit::Slopes;
 use crate::grid::{FEATURES, Grid};
 use crate::measurement::Direction;
 use crate::residuals::{NUISANCES, Point, SHIFT};
 use crate::solver::Solver;
 
 /// Points of a contour with which a start is improved.
-pub(crate) const FEW: usize = 48;
+pub(crate) const START_POINTS: usize = 48;
 /// Starts on each side of the border.
 const STARTS: usize = 3;
 /// A start whose features are farther from the measured ones than the nearest, by this, is not tried.
-const FARTHER: f64 = 30.0;
+const START_DISTANCE: f64 = 30.0;
 
 /// A start, improved with a few points.
 #[derive(Clone, Copy)]
 pub(crate) struct Candidate {
     pub(crate) side: Side,
     pub(crate) theta: [f64; 2],
-    pub(crate) unknowns: [f64; NUISANCES],
+    pub(crate) nuisances: [f64; NUISANCES],
     pub(crate) sum: f64,
 }
 
@@ -45,14 +46,14 @@ impl Solver<'_, '_, '_, '_> {
 
     fn candidates_along(&mut self, grid: &Grid, direction: Direction) -> Result<[Option<Candidate>; 2], IdentifyError> {
         let half_width = self.measurement.setup.half_width_um;
-        let mut few = [Point::default(); FEW];
+        let mut few = [Point::default(); START_POINTS];
         let mut count = 0;
         let mut features = [None; FEATURES];
         if let Some(contour) = &self.measurement.contour {
             let framed = contour.framed(direction, half_width);
             features = framed.features;
             let all = contour.points_um.len();
-            count = all.min(FEW);
+            count = all.min(START_POINTS);
             for (i, point) in few.iter_mut().enumerate().take(count) {
                 let one = crate::measurement::Contour {
                     points_um: contour.points_um.get(i * all / count..).unwrap_or_default(),
@@ -81,22 +82,22 @@ impl Solver<'_, '_, '_, '_> {
             for start in starts
                 .into_iter()
                 .flatten()
-                .filter(|start| start.distance <= nearest + FARTHER)
+                .filter(|start| start.distance <= nearest + START_DISTANCE)
             {
-                let mut unknowns = [0.0; NUISANCES];
+                let mut nuisances = [0.0; NUISANCES];
                 if count > 0 {
                     let shape = self.fitter.shapes.at(start.theta)?;
                     let [front, rear] = shape.curve.extent();
-                    unknowns[SHIFT] = -0.5 * (front + rear);
+                    nuisances[SHIFT] = -0.5 * (front + rear);
                 }
                 let data = self.data(few.get(..count).unwrap_or_default(), noise);
-                if let Some(fit) = self.fitter.fit(&data, side, start.theta, unknowns)?
+                if let Some(fit) = self.fitter.fit(&data, side, start.theta, Slopes::Local, nuisances)?
                     && candidate.is_none_or(|best| fit.sum < best.sum)
                 {
                     *candidate = Some(Candidate {
                         side,
                         theta: fit.theta,
-                        unknowns: fit.unknowns,
+                        nuisances: fit.nuisances,
                         sum: fit.sum,
                     });
                 }

@@ -15,7 +15,7 @@ impl Bench {
     fn new(model: &Model<'_>) -> Self {
         Self {
             workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
             normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
         }
     }
@@ -95,8 +95,10 @@ fn measurement(points: &[[f64; 2]]) -> Measurement<'_> {
     }
 }
 
+/// Off a/l = 0.9, where the model's clusters meet: its outlines jump there by 1e-4 l, and a fit to points without noise
+/// may end on either side.
 const TRUTHS: [[f64; 2]; 6] = [
-    [0.1, 0.9],
+    [0.1, 0.92],
     [0.03, 1.1],
     [0.02, 0.78],
     [0.008, 0.95],
@@ -362,7 +364,10 @@ fn bad_contours_are_named() {
     assert_eq!(error(&circle(11, 20.0, 1.0)), ContourError::TooFewPoints { found: 11 });
     assert!(matches!(
         error(&circle(101, 20.0, 1.0)),
-        ContourError::TooManyPoints { found: 101, room: 100 }
+        ContourError::TooManyPoints {
+            found: 101,
+            capacity: 100
+        }
     ));
     assert!(matches!(
         error(&circle(90, 27.0, 1.0)),
@@ -383,4 +388,136 @@ fn bad_contours_are_named() {
         .map(|i| [if i < 20 { f64::from(i) } else { f64::from(40 - i) }, 1e-4])
         .collect();
     assert_eq!(error(&line), ContourError::NoArea);
+}
+
+/// Contours of a capsule at instants, or steady ones, with noise.
+fn frames(shapes: &mut Shapes<'_, '_>, truths: &[([f64; 2], f64)], noise: f64, seed: u64) -> Vec<Vec<[f64; 2]>> {
+    let end = shapes.instant();
+    let mut random = normals(seed);
+    let mut drawn = Vec::new();
+    for ([ca, confinement], t) in truths {
+        shapes.set_instant(*t);
+        let shape = shapes.at([ca.ln(), *confinement]).unwrap();
+        drawn.push(contour(&shape, 500, noise, &mut random));
+    }
+    shapes.set_instant(end);
+    drawn
+}
+
+fn of_frames(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    drawn: &[Vec<[f64; 2]>],
+    steady: bool,
+) -> Result<SequenceIdentification, IdentifyError> {
+    let contours: Vec<Contour<'_>> = drawn
+        .iter()
+        .map(|points| measurement(points).contour.unwrap())
+        .collect();
+    let mut room = vec![Point::default(); 500];
+    let sequence = Sequence {
+        setup: measurement(&[]).setup,
+        contours: &contours,
+        priors: Priors {
+            model: 0.0,
+            ..Priors::of_pixel(0.25)
+        },
+        steady,
+    };
+    identify_sequence(shapes, grid, &sequence, &mut room)
+}
+
+#[test]
+fn a_transient_gives_the_capsule_and_the_instants() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    for (seed, truth) in [[0.1, 0.92], [0.04, 1.05], [0.12, 0.8]].into_iter().enumerate() {
+        let instants = [0.4, 0.9, 1.8];
+        let drawn = frames(&mut shapes, &instants.map(|t| (truth, t)), 1e-3, seed as u64 + 3);
+        let found = of_frames(&mut shapes, &grid, &drawn, false).unwrap();
+        let errors = [
+            (found.capillary_number.value / truth[0]).ln() / found.deviations[0],
+            (found.confinement.value - truth[1]) / found.deviations[1],
+        ];
+        assert!(
+            errors.iter().all(|error| error.abs() < 3.5),
+            "{truth:?}: {errors:?} {found:?}"
+        );
+        assert!(
+            (found.capillary_number.value / truth[0] - 1.0).abs() < 0.05,
+            "{truth:?}: {found:?}"
+        );
+        for (t, [value, deviation]) in instants.into_iter().zip(found.instants) {
+            assert!(
+                (value - t).abs() < 3.5 * deviation && deviation < 0.1,
+                "{truth:?} {t}: {found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn steady_frames_are_averaged_and_their_drift_is_seen() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let (truth, end) = ([0.07, 0.98], shapes.instant());
+    let same = frames(&mut shapes, &[(truth, end); 6], 2e-3, 11);
+    let all = of_frames(&mut shapes, &grid, &same, true).unwrap();
+    let one = of_frames(&mut shapes, &grid, &same[..1], true).unwrap();
+    // Noise falls with the root of the number; edge and scale are the same in all frames.
+    assert!(
+        all.deviations[0] < 0.7 * one.deviations[0],
+        "{:?} {:?}",
+        all.deviations,
+        one.deviations
+    );
+    assert!((all.capillary_number.value / truth[0]).ln().abs() < 3.5 * all.deviations[0]);
+    assert!(!all.drifts(), "{} of {}", all.drift, all.drift_freedom);
+    let growing: Vec<_> = (0..6)
+        .map(|i| ([0.07 * (1.0 + 0.02 * f64::from(i)), 0.98], end))
+        .collect();
+    let drawn = frames(&mut shapes, &growing, 2e-3, 12);
+    let drifting = of_frames(&mut shapes, &grid, &drawn, true).unwrap();
+    assert!(drifting.drifts(), "{} of {}", drifting.drift, drifting.drift_freedom);
+    let none = of_frames(&mut shapes, &grid, &[], true);
+    assert!(matches!(none, Err(IdentifyError::Frames { found: 0 })));
+}
+
+#[test]
+fn transients_err_as_much_as_they_state() {
+    const TRIALS: u64 = 30;
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let (mut squares, mut held) = ([0.0; 3], [0; 2]);
+    for seed in 0..TRIALS {
+        // Numbers between 0 and 1 that fill the square evenly.
+        let [u, v] = [0.754_877_666, 0.569_840_291].map(|step| (0.5 + step * seed as f64).fract());
+        let truth = [0.02 * f64::powf(6.0, u), 0.8 + 0.14 * v];
+        let instants = [0.3 + 0.2 * v, 0.8 + 0.3 * u, 1.9];
+        let drawn = frames(&mut shapes, &instants.map(|t| (truth, t)), 1e-3, seed + 100);
+        let found = of_frames(&mut shapes, &grid, &drawn, false).unwrap();
+        let errors = [
+            (found.capillary_number.value / truth[0]).ln() / found.deviations[0],
+            (found.confinement.value - truth[1]) / found.deviations[1],
+            (found.instants[0][0] - instants[0]) / found.instants[0][1],
+        ];
+        println!("{truth:?} {errors:.2?} {:.4?}", found.deviations);
+        squares
+            .iter_mut()
+            .zip(errors)
+            .for_each(|(sum, error)| *sum += error * error);
+        held[0] += i32::from(found.capillary_number.interval_95.contains(truth[0]));
+        held[1] += i32::from(found.confinement.interval_95.contains(truth[1]));
+    }
+    let spread = squares.map(|sum| (sum / TRIALS as f64).sqrt());
+    println!("spread {spread:.2?} held {held:?} of {TRIALS}");
+    // The square of 30 errors, over 30, is 1 within 0.78: three standard deviations.
+    assert!(spread.iter().all(|spread| (0.47..1.34).contains(spread)), "{spread:?}");
+    assert!(held.iter().all(|held| *held >= 25), "{held:?} of {TRIALS}");
 }

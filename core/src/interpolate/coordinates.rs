@@ -57,4 +57,25 @@ impl<'a> Coordinates<'a> {
         }
         transformed
     }
+
+    /// Derivatives of the coordinates by a parameter; zeros beyond the dimensions. Where the steady limit bends, those
+    /// above the point.
+    pub(super) fn derivative<T: Real>(&self, parameters: &Parameters<T>, parameter: usize) -> [T; MAX_PARAMETERS] {
+        let mut derivative = [T::ZERO; MAX_PARAMETERS];
+        if let (Some(entry), Some(scale)) = (derivative.get_mut(parameter), self.scales.get(parameter)) {
+            *entry = T::from_f64(*scale);
+        }
+        if let Some(limit) = self.limit {
+            // d ln x_0 = d ln Ca / 2 - d ln Ca_lim / 8
+            let [first, ..] = self.transform(parameters);
+            let (capillary_number, confinement) = (parameters.get(0), parameters.get(1));
+            let at = limit.at(confinement).unwrap_or(T::ONE);
+            derivative[0] = match parameter {
+                0 => T::from_f32(0.5) * first / capillary_number,
+                1 => T::from_f32(-0.125) * first * limit.slope(confinement).unwrap_or(T::ZERO) / at,
+                _ => T::ZERO,
+            };
+        }
+        derivative
+    }
 }

@@ -30,9 +30,23 @@ const FAR_NUGGET: f32 = 3.0;
 /// weight it makes small: samples that enter or leave the stencil as the query moves have small weights. A constant
 /// nugget would make the answer jump there, by up to 8 % of a near the jump curve.
 #[inline(never)]
-fn nugget<T: Real>(square: T) -> T {
+pub(super) fn nugget<T: Real>(square: T) -> T {
     let far = (square - T::from_f32(NEAR)).max(T::ZERO) / T::from_f32(1.0 - NEAR);
     T::from_f32(NUGGET) + T::from_f32(FAR_NUGGET) * far * far * far
+}
+
+/// Factors of the system of the weights.
+pub(super) struct Factors<'s, T, const N: usize> {
+    /// Of the columns of the tail.
+    pub(super) qr: Qr<'s, T, N>,
+    /// Cholesky factor of the kernel's matrix in their null space.
+    pub(super) matrix: &'s [[T; N]],
+}
+
+/// The derivative of [`nugget`] by the squared distance.
+pub(super) fn nugget_slope<T: Real>(square: T) -> T {
+    let far = (square - T::from_f32(NEAR)).max(T::ZERO) / T::from_f32(1.0 - NEAR);
+    T::from_f32(3.0 * FAR_NUGGET / (1.0 - NEAR)) * far * far
 }
 
 impl<T: Real, const N: usize> Weights<T, N> {
@@ -58,6 +72,21 @@ impl<T: Real, const N: usize> Weights<T, N> {
         left_out: Option<usize>,
         scratch: &mut [T],
     ) -> Result<(), EvaluateError> {
+        self.solve_kernel(settings, coordinates, samples, query, left_out, scratch)?;
+        Ok(())
+    }
+
+    /// Computes the weights, and returns the factors of their system.
+    #[inline(always)]
+    pub(super) fn solve_kernel<'s>(
+        &mut self,
+        settings: &Kernel,
+        coordinates: &Coordinates<'_>,
+        samples: &Samples<'_>,
+        query: &Parameters<T>,
+        left_out: Option<usize>,
+        scratch: &'s mut [T],
+    ) -> Result<Factors<'s, T, N>, EvaluateError> {
         let wanted = settings.neighbours as usize;
         let mut search = Search {
             dimensions: query.as_slice().len(),
@@ -123,7 +152,7 @@ impl<T: Real, const N: usize> Weights<T, N> {
             sum + nugget(square(*offset)) * *weight * *weight
         });
         self.variance = -variance - of_nugget;
-        Ok(())
+        Ok(Factors { qr, matrix })
     }
 
     /// column <- 1 at the samples beyond the jump curve, else 0: the constraint on this column makes the weights

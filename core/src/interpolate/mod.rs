@@ -6,6 +6,7 @@
 //! for [`Method::Paper`](crate::Method::Paper).
 
 mod coordinates;
+mod derivative;
 mod diffuse;
 mod kernel;
 mod search;

@@ -94,6 +94,90 @@ fn weights_with_jump<T: Real>(
     weights
 }
 
+/// The derivatives of the kernel's weights at a query, those of all samples.
+fn derivatives<T: Real>(jump_curve: &Matrix<'_>, rows: usize, query: [f64; 2]) -> [[f64; 200]; 2] {
+    let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
+    let coordinates = channel(&matrix(&limit), jump_curve);
+    let grid: [_; 200] = core::array::from_fn(grid);
+    let (points, grid) = (transformed_samples(&coordinates, grid), bytes(grid));
+    let part = |bytes| Matrix {
+        rows: 20 * rows as u32,
+        blob: Blob::new(&matrix(bytes).blob.data[..8 * 20 * rows]),
+        ..matrix(bytes)
+    };
+    let samples = Samples {
+        parameters: part(&grid),
+        places: part(&points),
+    };
+    let (mut weights, mut scratch) = (Weights::<T, N>::EMPTY, [T::ZERO; 64 * 64]);
+    let query = Parameters::from(query.map(T::from_f64));
+    let found = weights.kernel_derivatives(&KERNEL, &coordinates, &samples, &query, &mut scratch);
+    let [first, second, ..] = found.unwrap();
+    [first, second].map(|values| {
+        let mut all = [0.0; 200];
+        for ((sample, _), value) in weights.iter().zip(values) {
+            all[sample] = value.to_f64();
+        }
+        all
+    })
+}
+
+#[test]
+fn derivatives_of_the_weights_are_limits_of_differences() {
+    let bytes = bytes([[0.7, 0.045], [0.93, 0.045]]);
+    let (none, jump) = (Matrix::f32(0, 2, &[]), matrix(&bytes));
+    // The last one takes samples from beyond the jump curve.
+    for (jump, rows, query) in [
+        (&none, 10, [0.105, 0.925]),
+        (&none, 10, [0.013, 0.762]),
+        (&none, 10, [0.111, 1.013]),
+        (&jump, 4, [0.04, 0.83]),
+    ] {
+        let exact = derivatives::<f64>(jump, rows, query);
+        let single = derivatives::<f32>(jump, rows, query);
+        for d in 0..2 {
+            let greatest = exact[d].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            assert!(exact[d].iter().sum::<f64>().abs() < 1e-11 * greatest);
+            // Steps of a share of a spacing, so short that the stencil stays.
+            let errors = [4e-3, 2e-3, 1e-3].map(|share: f64| {
+                let step = share * [0.01, 0.05][d];
+                let all = [-1.0, 1.0].map(|sign| {
+                    let mut place = query;
+                    place[d] += sign * step;
+                    let mut all = [0.0; 200];
+                    for (sample, weight) in weights_with_jump::<f64>(jump, true, rows, place, None).iter() {
+                        all[sample] = weight;
+                    }
+                    all
+                });
+                let [before, after] = all;
+                (0..200).fold(0.0_f64, |most, j| {
+                    most.max(((after[j] - before[j]) / (2.0 * step) - exact[d][j]).abs())
+                }) / greatest
+            });
+            // Second order: a quarter of the error for half the step.
+            for pair in errors.windows(2) {
+                let ratio = pair[0] / pair[1];
+                assert!((3.9..4.15).contains(&ratio), "{query:?} {d}: {errors:?}");
+            }
+            assert!(errors[2] < 1e-4, "{query:?} {d}: {errors:?}");
+            // Rounding moves single weights, but not what is interpolated with them.
+            let of = |weights: &[f64; 200]| -> f64 {
+                let value = |j: usize| {
+                    let [ca, confinement] = grid(j).map(f64::from);
+                    (20.0 * ca).sin() * confinement.exp()
+                };
+                weights.iter().enumerate().map(|(j, weight)| weight * value(j)).sum()
+            };
+            let (single, exact) = (of(&single[d]), of(&exact[d]));
+            assert!(
+                (single - exact).abs() < 1e-3 * exact.abs(),
+                "{query:?} {d}: {single} {exact}"
+            );
+        }
+    }
+}
+
 /// sum_j L_j f(theta_j).
 fn interpolate<T: Real>(weights: &Weights<T, N>, f: impl Fn([f64; 2]) -> f64) -> f64 {
     let value = |sample| f(grid(sample).map(f64::from));

@@ -34,6 +34,25 @@ pub(crate) fn solve<T: Real, const N: usize>(matrix: &mut [[T; N]], first: usize
         *pivot = if square > floor { square.sqrt() } else { T::ZERO };
         *value = quotient(*value - dot_in_order(done, slice_or_empty(solved, first..i)), *pivot);
     }
+    back_substitute(matrix, first, n, b);
+}
+
+/// Solves the system whose factor [`solve`] has left in the matrix for another `b`, in place.
+pub(crate) fn solve_again<T: Real, const N: usize>(matrix: &[[T; N]], first: usize, b: &mut [T; N]) {
+    let n = matrix.len().min(N);
+    for (i, row) in matrix.iter().enumerate().skip(first) {
+        let Some((solved, [value, ..])) = b.split_at_mut_checked(i) else {
+            return;
+        };
+        let sum = dot_in_order(slice_or_empty(row, first..i), slice_or_empty(solved, first..i));
+        *value = quotient(*value - sum, entry(row, i));
+    }
+    back_substitute(matrix, first, n, b);
+}
+
+/// b <- L^-T b of the trailing block.
+#[inline(always)]
+fn back_substitute<T: Real, const N: usize>(matrix: &[[T; N]], first: usize, n: usize, b: &mut [T; N]) {
     for i in (first..n).rev() {
         let (Some(row), Some((open, [value, ..]))) = (matrix.get(i), b.split_at_mut_checked(i)) else {
             return;
@@ -67,6 +86,9 @@ mod tests {
         let mut b = [5.0, 1.0, 2.0];
         solve(&mut matrix, 1, &mut b);
         assert!(b[0] == 5.0 && (b[1] - 1.0 / 11.0).abs() < 1e-15 && (b[2] - 7.0 / 11.0).abs() < 1e-15);
+        let mut b = [5.0, 2.0, -1.0];
+        solve_again(&matrix, 1, &mut b);
+        assert!(b[0] == 5.0 && (b[1] - 7.0 / 11.0).abs() < 1e-15 && (b[2] + 6.0 / 11.0).abs() < 1e-15);
     }
 
     #[test]

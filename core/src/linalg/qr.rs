@@ -14,6 +14,8 @@ pub(crate) const MAX_COLUMNS: usize = 15;
 pub(crate) struct Qr<'s, T, const N: usize> {
     rows: usize,
     rank: usize,
+    /// Bit j: whether column j is kept.
+    kept: u16,
     /// Kept column k holds the entries of R before row k, then the vector v of the reflector I - v v^T.
     columns: &'s mut [[T; N]],
     /// Diagonal of R.
@@ -26,6 +28,7 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
         let mut qr = Self {
             rows,
             rank: 0,
+            kept: 0,
             columns,
             diagonals: [T::ZERO; MAX_COLUMNS],
         };
@@ -61,6 +64,7 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
                 place.swap_with_slice(kept);
             }
             qr.rank += 1;
+            qr.kept |= 1 << index;
         }
         qr
     }
@@ -91,10 +95,23 @@ impl<'s, T: Real, const N: usize> Qr<'s, T, N> {
 
     /// The x of least norm whose product with column 0 is 1 and with the other kept columns 0: Q R^-T e_0.
     pub(crate) fn first(&self) -> [T; N] {
+        self.least_norm(|k| if k == 0 { T::ONE } else { T::ZERO })
+    }
+
+    /// The x of least norm whose products with the kept columns are given ones, by the numbers that the columns had
+    /// before any was left out.
+    pub(crate) fn least_norm_of_all(&self, right: impl Fn(usize) -> T) -> [T; N] {
+        let number = |k: usize| (0..MAX_COLUMNS).filter(|j| self.kept >> j & 1 == 1).nth(k);
+        self.least_norm(|k| number(k).map_or(T::ZERO, &right))
+    }
+
+    /// The x of least norm whose product with kept column k is `right(k)`: Q R^-T right.
+    #[inline(always)]
+    fn least_norm(&self, right: impl Fn(usize) -> T) -> [T; N] {
         let mut x = [T::ZERO; N];
         let columns = slice_or_empty(self.columns, 0..self.rank).iter().zip(&self.diagonals);
         for (k, (column, diagonal)) in columns.enumerate() {
-            let right = if k == 0 { T::ONE } else { T::ZERO };
+            let right = right(k);
             let value = (right - dot_in_order(slice_or_empty(column, 0..k), slice_or_empty(&x, 0..k))) / *diagonal;
             slice_or_empty_mut(&mut x, k..k + 1).fill(value);
         }
@@ -220,6 +237,11 @@ mod tests {
         let x = qr.first();
         for (column, expected) in [(0, 1.0), (1, 0.0), (2, 0.0), (3, 0.0)] {
             assert!((dot(&COLUMNS[column], &x) - expected).abs() < 1e-14);
+        }
+        // By the numbers of all columns.
+        let other = qr.least_norm_of_all(|j| j as f64);
+        for j in [0, 1, 3] {
+            assert!((dot(&COLUMNS[j], &other) - j as f64).abs() < 1e-14);
         }
         // The shortest is a combination of the columns: nothing of it is in their null space.
         let mut inside = x;

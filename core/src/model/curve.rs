@@ -33,15 +33,21 @@ impl<'a> Curve<'a> {
         abscissa
     }
 
-    /// The capillary number at a confinement, constant beyond the ends; none if there is no point.
-    pub fn at<T: Real>(&self, confinement: T) -> Option<T> {
+    /// The two points around a confinement, the first or last two beyond the ends; none if there is no point.
+    #[inline(always)]
+    fn segment<T: Real>(&self, confinement: T) -> Option<[[T; 2]; 2]> {
         let (mut low, mut high) = (0, self.0.len().checked_sub(1)?);
         while high - low > 1 {
             let middle = (low + high) / 2;
             let before = confinement < self.abscissa(middle);
             *(if before { &mut high } else { &mut low }) = middle;
         }
-        let ([x0, y0], [x1, y1]) = (self.point(low), self.point(high));
+        Some([self.point(low), self.point(high)])
+    }
+
+    /// The capillary number at a confinement, constant beyond the ends; none if there is no point.
+    pub fn at<T: Real>(&self, confinement: T) -> Option<T> {
+        let [[x0, y0], [x1, y1]] = self.segment(confinement)?;
         Some(if confinement <= x0 {
             y0
         } else if confinement >= x1 {
@@ -49,6 +55,13 @@ impl<'a> Curve<'a> {
         } else {
             y0 + (y1 - y0) * (confinement - x0) / (x1 - x0)
         })
+    }
+
+    /// The derivative of [`at`](Self::at), at a point that of the line after it; none if there is no point.
+    pub fn slope<T: Real>(&self, confinement: T) -> Option<T> {
+        let [[x0, y0], [x1, y1]] = self.segment(confinement)?;
+        let between = confinement >= x0 && confinement < x1;
+        Some(if between { (y1 - y0) / (x1 - x0) } else { T::ZERO })
     }
 
     /// As [`at`](Self::at), but none where the curve does not reach.
@@ -77,6 +90,9 @@ mod tests {
         let curve = Curve::new(&Matrix::f32(3, 2, &bytes));
         for (confinement, expected) in [(0.5_f64, 0.14), (0.825, 0.135), (1.05, 0.09), (2.0, 0.05)] {
             assert!((curve.at(confinement).unwrap() - expected).abs() < 1e-7);
+        }
+        for (confinement, expected) in [(0.5_f64, 0.0), (0.825, -0.01 / 0.15), (1.05, -0.08 / 0.3), (2.0, 0.0)] {
+            assert!((curve.slope(confinement).unwrap() - expected).abs() < 1e-6);
         }
         assert_eq!(curve.below([0.08, 1.05]), Some(true));
         assert_eq!(curve.below([0.10, 1.05]), Some(false));

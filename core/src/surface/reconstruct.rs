@@ -239,6 +239,33 @@ impl<T: Real> PanelCache<'_, '_, '_, T> {
         };
         finite([x, radius])
     }
+
+    /// The derivative of [`axial_radial`](Self::axial_radial), of a field of derivatives, for a node of a plane. The
+    /// surface is on the side of the plane's axis on which its reference is.
+    ///
+    /// # Errors
+    /// Those of [`Snapshot::node`].
+    pub(crate) fn axial_radial_derivative(&mut self, node: usize, plane: Plane) -> Result<[T; 2], EvaluateError> {
+        let (representative, operation) = self.field.origin(node)?;
+        let axis = if plane == Plane::Mirror && operation & 4 != 0 {
+            2
+        } else {
+            1
+        };
+        let [x, across] = [0, axis].map(|axis| self.component(representative, axis));
+        let reference = self.field.mesh.sector_node(representative);
+        let component = reference.get(axis).copied().unwrap_or_default();
+        let sign = if f32::from_le_bytes(component) < 0.0 {
+            -T::ONE
+        } else {
+            T::ONE
+        };
+        let factor = match plane {
+            Plane::Diagonal => T::from_f64(core::f64::consts::SQRT_2),
+            _ => T::ONE,
+        };
+        finite([x, sign * factor * across])
+    }
 }
 
 /// out <- the vectors at `count` nodes.

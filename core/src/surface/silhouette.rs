@@ -41,14 +41,50 @@ pub fn silhouette<T: Real>(
     normals: &mut [[T; 3]],
     out: &mut [[T; 2]],
 ) -> Result<(), EvaluateError> {
+    trace(mesh, positions, [], across, normals, out, &mut [])
+}
+
+/// The silhouette, and derivatives of its points for derivatives of the positions (those of
+/// [`Derivatives::positions`](crate::Derivatives::positions), for all nodes): of the place of the membrane that is seen
+/// there, projected, into `movement`, as many as there is room for in `out`. What moves the outline is the part along
+/// its normal: along the rim the line of sight touches the surface, so to first order it does not count that the rim
+/// wanders over the membrane.
+///
+/// # Errors
+/// Those of [`silhouette`]; [`EvaluateError::BufferTooShort`] for the derivatives or `movement`.
+pub fn silhouette_derivatives<T: Real, const D: usize>(
+    mesh: &Mesh<'_>,
+    positions: &[[T; 3]],
+    derivatives: [&[[T; 3]]; D],
+    across: [T; 2],
+    normals: &mut [[T; 3]],
+    out: &mut [[T; 2]],
+    movement: &mut [[[T; 2]; D]],
+) -> Result<(), EvaluateError> {
+    let movement = prefix_mut(movement, out.len())?;
+    trace(mesh, positions, derivatives, across, normals, out, movement)
+}
+
+#[inline(always)]
+fn trace<T: Real, const D: usize>(
+    mesh: &Mesh<'_>,
+    positions: &[[T; 3]],
+    derivatives: [&[[T; 3]]; D],
+    across: [T; 2],
+    normals: &mut [[T; 3]],
+    out: &mut [[T; 2]],
+    movement: &mut [[[T; 2]; D]],
+) -> Result<(), EvaluateError> {
     const LEAST: usize = 3;
     let short = |required, found| Err(EvaluateError::BufferTooShort { required, found });
-    if positions.len() < mesh.nodes() {
-        return short(mesh.nodes(), positions.len());
+    let fields = core::iter::once(positions).chain(derivatives);
+    if let Some(field) = fields.into_iter().find(|field| field.len() < mesh.nodes()) {
+        return short(mesh.nodes(), field.len());
     }
     if out.len() < LEAST {
         return short(LEAST, out.len());
     }
+    let positions = positions.get(..mesh.nodes()).unwrap_or_default();
     let normals = prefix_mut(normals, mesh.sector_nodes().len())?;
     fill_normals(mesh, positions, normals);
     let extent = positions
@@ -57,16 +93,20 @@ pub fn silhouette<T: Real>(
             [least.min(*x), greatest.max(*x)]
         });
     let middle = T::from_f32(0.5) * (extent[0] + extent[1]);
-    let mut rays = Rays::new(middle, out);
+    let mut rays = Rays::new(middle, out, movement);
     let view = View { across };
     for element in mesh.elements() {
         let nodes = element.map(|node| {
             let node = usize::from(node);
             let (sector_node, operation) = mesh.origin(node).unwrap_or_default();
             let normal = normals.get(sector_node).copied().unwrap_or([T::ZERO; 3]);
-            (positions[node], apply(operation, normal))
+            Node {
+                position: positions[node],
+                normal: apply(operation, normal),
+                derivatives: derivatives.map(|field| field[node]),
+            }
         });
-        let facing = nodes.map(|(_, normal)| view.toward(normal));
+        let facing = nodes.map(|node| view.toward(node.normal));
         let toward = facing.iter().filter(|facing| **facing >= T::ZERO).count();
         if toward == 0 || toward == facing.len() {
             continue;
@@ -117,11 +157,20 @@ fn crossed<T: Real>([a, b, c]: [usize; 3], facing: &[T; 6]) -> Option<[[usize; 2
     }
 }
 
-/// A point of the projection and the direction of the surface's normal there.
+/// A node of an element.
 #[derive(Clone, Copy)]
-struct Rim<T> {
+struct Node<T, const D: usize> {
+    position: [T; 3],
+    normal: [T; 3],
+    derivatives: [[T; 3]; D],
+}
+
+/// A point of the projection, the direction of the surface's normal there, and the point's derivatives.
+#[derive(Clone, Copy)]
+struct Rim<T, const D: usize> {
     place: [T; 2],
     normal: [T; 2],
+    movement: [[T; 2]; D],
 }
 
 struct View<T> {
@@ -141,40 +190,57 @@ impl<T: Real> View<T> {
     }
 
     /// The place on an edge between two nodes of an element where the surface turns away.
-    fn point(&self, [a, b]: [usize; 2], nodes: &[([T; 3], [T; 3]); 6], facing: &[T; 6], flat: bool) -> Rim<T> {
+    fn point<const D: usize>(
+        &self,
+        [a, b]: [usize; 2],
+        nodes: &[Node<T, D>; 6],
+        facing: &[T; 6],
+        flat: bool,
+    ) -> Rim<T, D> {
         let share = facing[a] / (facing[a] - facing[b]);
         let between = |from: T, to: T| from + share * (to - from);
         let [from, to] = [a, b].map(|node| PLACES[node].map(T::from_f32));
         let point = Point::new(0.0, core::array::from_fn(|i| between(from[i], to[i])));
         let point = if flat { point.flat() } else { point };
-        let mut place = [T::ZERO; 3];
-        for (shape, (node, _)) in point.shape.iter().zip(nodes) {
-            for (place, x) in place.iter_mut().zip(node) {
-                *place += *shape * *x;
+        let at = |value: &dyn Fn(&Node<T, D>) -> [T; 3]| {
+            let mut sum = [T::ZERO; 3];
+            for (shape, node) in point.shape.iter().zip(nodes) {
+                for (sum, x) in sum.iter_mut().zip(value(node)) {
+                    *sum += *shape * x;
+                }
             }
-        }
-        let (n, m) = (nodes[a].1, nodes[b].1);
-        let normal = [0, 1, 2].map(|axis| between(n[axis], m[axis]));
+            self.project(sum)
+        };
+        let (n, m) = (nodes[a].normal, nodes[b].normal);
+        let normal = self.project([0, 1, 2].map(|axis| between(n[axis], m[axis])));
+        let movement = core::array::from_fn(|d| at(&|node| node.derivatives[d]));
         Rim {
-            place: self.project(place),
-            normal: self.project(normal),
+            place: at(&|node| node.position),
+            normal,
+            movement,
         }
     }
 }
 
 /// The rays that the outline's points lie on; `out` holds how far out each goes until the end.
-struct Rays<'o, T> {
+struct Rays<'o, T, const D: usize> {
     middle: T,
     /// Rays from one half's end to the middle: (count - 1) / 2.
     half: T,
     out: &'o mut [[T; 2]],
+    movement: &'o mut [[[T; 2]; D]],
 }
 
-impl<'o, T: Real> Rays<'o, T> {
-    fn new(middle: T, out: &'o mut [[T; 2]]) -> Self {
+impl<'o, T: Real, const D: usize> Rays<'o, T, D> {
+    fn new(middle: T, out: &'o mut [[T; 2]], movement: &'o mut [[[T; 2]; D]]) -> Self {
         out.fill([T::ZERO; 2]);
         let half = T::from_f32(0.5) * T::from_index(out.len() - 1);
-        Self { middle, half, out }
+        Self {
+            middle,
+            half,
+            out,
+            movement,
+        }
     }
 
     /// Number of the ray through a point, with fractions; below 0 or above the last where w < 0.
@@ -198,7 +264,7 @@ impl<'o, T: Real> Rays<'o, T> {
     }
 
     /// Moves the rays that cross a piece of the rim out to it.
-    fn offer(&mut self, ends: [Rim<T>; 2]) {
+    fn offer(&mut self, ends: [Rim<T, D>; 2]) {
         /// Share of a ray's distance to the next by which a piece reaches over its ends, so that none slips between.
         const OVERLAP: f32 = 1e-3;
         let ends = ends.map(|rim| Rim {
@@ -211,12 +277,21 @@ impl<'o, T: Real> Rays<'o, T> {
         if high - low > self.half || high < T::ZERO {
             return;
         }
-        let piece = Piece::new(ends);
+        let movement = ends.map(|rim| rim.movement);
+        let piece = Piece::new(ends.map(|rim| (rim.place, rim.normal)));
         let first = if low > T::ZERO { low.to_index() + 1 } else { 0 };
         for number in first..=high.to_index() {
             let direction = self.direction(number);
-            if let Some([radius, _]) = self.out.get_mut(number) {
-                *radius = radius.max(piece.radius(direction));
+            let (found, share) = piece.radius(direction);
+            if let Some([radius, _]) = self.out.get_mut(number)
+                && *radius < found
+            {
+                *radius = found;
+                if let Some(own) = self.movement.get_mut(number) {
+                    let [from, to] = movement;
+                    let between = |d: usize, axis: usize| from[d][axis] + share * (to[d][axis] - from[d][axis]);
+                    *own = core::array::from_fn(|d| [between(d, 0), between(d, 1)]);
+                }
             }
         }
     }
@@ -249,12 +324,12 @@ struct Piece<T> {
 }
 
 impl<T: Real> Piece<T> {
-    fn new(ends: [Rim<T>; 2]) -> Self {
-        let [p, q] = ends.map(|rim| rim.place);
+    /// The piece between two places with normals there.
+    fn new(ends: [([T; 2], [T; 2]); 2]) -> Self {
+        let [p, q] = ends.map(|(place, _)| place);
         let chord = [q[0] - p[0], q[1] - p[1]];
         let square = chord[0] * chord[0] + chord[1] * chord[1];
-        let tangents = ends.map(|rim| {
-            let [x, w] = rim.normal;
+        let tangents = ends.map(|(_, [x, w])| {
             let along = chord[1] * x - chord[0] * w;
             // The tangent whose part along the chord is the chord's length; at a corner the chord itself.
             let length = (x * x + w * w).sqrt() * square.sqrt();
@@ -270,8 +345,8 @@ impl<T: Real> Piece<T> {
         }
     }
 
-    /// How far out the cubic crosses a ray.
-    fn radius(&self, direction: [T; 2]) -> T {
+    /// How far out the cubic crosses a ray, and the share of the piece that lies before.
+    fn radius(&self, direction: [T; 2]) -> (T, T) {
         const STEPS: usize = 5;
         let [p, q] = self.points;
         let (at_start, at_end) = (cross(direction, p), cross(direction, q));
@@ -288,7 +363,7 @@ impl<T: Real> Piece<T> {
             }
         }
         let [x, w] = self.at(share);
-        x * direction[0] + w * direction[1]
+        (x * direction[0] + w * direction[1], share)
     }
 
     fn at(&self, s: T) -> [T; 2] {

@@ -2,6 +2,7 @@
 //! evaluator again.
 
 mod common;
+mod derivatives;
 mod direct;
 mod flips;
 mod format;

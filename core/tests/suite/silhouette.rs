@@ -1,7 +1,7 @@
 //! The silhouette against surfaces whose projection is known, and against the meridians of a dented one.
 
 use crate::common::Family;
-use capsule_core::{EvaluateError, Model, silhouette};
+use capsule_core::{EvaluateError, Model, silhouette, silhouette_derivatives};
 
 const COUNT: usize = 65;
 
@@ -120,6 +120,53 @@ fn a_dented_square_surface_is_seen_as_far_as_its_meridians_reach() {
             coarse < 4e-3 && fine < 5e-4 && fine < coarse / 4.0,
             "{angle}: {coarse} {fine}"
         );
+    }
+}
+
+/// Greatest error of the movement of an ellipsoid's silhouette by its two axes, and by a flow of the membrane along its
+/// surface, which moves nothing.
+fn errors_of_movement(frequency: i32, angle: f64) -> [f64; 3] {
+    let (a, b) = (1.3, 0.8);
+    let family = Family::new(frequency);
+    let file = family.file();
+    let model = Model::open(&file).unwrap();
+    let mesh = model.mesh();
+    let nodes = &family.sphere.nodes;
+    let positions: Vec<_> = nodes.iter().map(|[x, y, z]| [a * x, b * y, b * z]).collect();
+    let by_a: Vec<_> = nodes.iter().map(|[x, ..]| [*x, 0.0, 0.0]).collect();
+    let by_b: Vec<_> = nodes.iter().map(|[_, y, z]| [0.0, *y, *z]).collect();
+    let along: Vec<_> = nodes.iter().map(|[x, y, _]| [-a * y, b * x, 0.0]).collect();
+    let mut normals = vec![[0.0; 3]; mesh.sector_nodes().len()];
+    let (mut out, mut plain, mut movement) = ([[0.0; 2]; COUNT], [[0.0; 2]; COUNT], [[[0.0; 2]; 3]; COUNT]);
+    let (fields, across) = ([&*by_a, &*by_b, &*along], [angle.cos(), angle.sin()]);
+    silhouette_derivatives(&mesh, &positions, fields, across, &mut normals, &mut out, &mut movement).unwrap();
+    silhouette(&mesh, &positions, across, &mut normals, &mut plain).unwrap();
+    assert_eq!(out, plain);
+    let short = &mut movement[..4].to_vec();
+    let error = silhouette_derivatives(&mesh, &positions, fields, across, &mut normals, &mut out, short);
+    assert!(matches!(error, Err(EvaluateError::BufferTooShort { found: 4, .. })));
+    let mut errors = [0.0_f64; 3];
+    for ([x, w], found) in plain.into_iter().zip(movement) {
+        // x^2 / a^2 + w^2 / b^2 = 1 moves by its change over the length of its gradient.
+        let gradient = (x / (a * a)).hypot(w / (b * b));
+        let normal = [x / (a * a) / gradient, w / (b * b) / gradient];
+        let found = found.map(|[dx, dw]: [f64; 2]| dx * normal[0] + dw * normal[1]);
+        let exact = [x * x / (a * a * a) / gradient, w * w / (b * b * b) / gradient, 0.0];
+        (0..3).for_each(|d| errors[d] = errors[d].max((found[d] - exact[d]).abs()));
+    }
+    errors
+}
+
+#[test]
+fn the_silhouette_moves_as_the_surface_does() {
+    // Along the mirror planes the rim runs through nodes.
+    for angle in [0.0, std::f64::consts::FRAC_PI_4] {
+        let [coarse, fine] = [6, 12].map(|frequency| errors_of_movement(frequency, angle));
+        for (coarse, fine) in coarse.into_iter().zip(fine) {
+            // The error of the normals, which is of second order.
+            assert!(fine < 0.4 * coarse || fine < 1e-6, "{angle}: {coarse:e} {fine:e}");
+            assert!(fine < 1e-2, "{angle}: {fine:e}");
+        }
     }
 }
 

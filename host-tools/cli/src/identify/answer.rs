@@ -9,9 +9,10 @@ use capsule_identify::{Estimate, Identification, Interval};
 use serde::Serialize;
 
 /// Ends of an interval; none where it is open.
-type Ends = [Option<f64>; 2];
+pub type Ends = [Option<f64>; 2];
 
-fn ends(interval: Interval) -> Ends {
+/// The ends of an interval.
+pub fn ends(interval: Interval) -> Ends {
     let [low, high] = interval.open;
     [(!low).then_some(interval.low), (!high).then_some(interval.high)]
 }

@@ -6,7 +6,8 @@ use super::outline::Outline;
 use anyhow::{Result, ensure};
 use capsule_core::Model;
 use capsule_identify::{
-    Contour, Grid, Identification, Measurement, Memory, Observable, Point, Shape, Shapes, Store, VELOCITY, identify,
+    Contour, Grid, Identification, Measurement, Memory, NODES_ROOM, Observable, Point, Shape, Shapes, Store, VELOCITY,
+    identify,
 };
 
 /// Room for the points of a contour.
@@ -32,7 +33,7 @@ impl Bench {
     pub fn new(model: &Model<'_>) -> Self {
         Self {
             workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
             normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
             points: Vec::new(),
         }
@@ -89,7 +90,12 @@ impl Bench {
         Ok(Solved { found, shape, answer })
     }
 
-    fn shapes<'a, 'w>(&'w mut self, model: &'a Model<'a>, observable: Observable) -> (Shapes<'a, 'w>, &'w mut [Point]) {
+    /// The model's outlines, and memory for points.
+    pub fn shapes<'a, 'w>(
+        &'w mut self,
+        model: &'a Model<'a>,
+        observable: Observable,
+    ) -> (Shapes<'a, 'w>, &'w mut [Point]) {
         let memory = Memory {
             workspace: &mut self.workspace,
             positions: &mut self.positions,

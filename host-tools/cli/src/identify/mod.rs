@@ -10,6 +10,7 @@ mod plot;
 mod population;
 mod records;
 mod rows;
+mod sequence;
 
 use crate::model::ModelFile;
 use crate::outputs::Outputs;
@@ -43,6 +44,13 @@ struct One {
     /// Contour: a text file of points in order around the capsule, one a line; or a picture (PNG, JPEG, TIFF)
     #[arg(value_name = "CONTOUR")]
     file: Option<PathBuf>,
+    /// More contours or pictures of the same capsule, steady in all of them
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "file",
+          conflicts_with_all = ["plot", "contour_out", "overlay", "exposure_ms"])]
+    frames: Vec<PathBuf>,
+    /// The frames show the capsule on its way to the steady state, at instants that are not known
+    #[arg(long, requires = "frames")]
+    transient: bool,
     #[command(flatten)]
     given: Given,
     #[command(flatten)]
@@ -66,6 +74,7 @@ Examples:
   capsule-rom identify o.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o midplane
   capsule-rom identify p.png --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o silhouette
   capsule-rom identify batch table.csv --out results.csv --half-width-um 25 -o silhouette
+  capsule-rom identify 1.csv --frames 2.csv 3.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o midplane
 
 Contours in pixels need --pixel-um. In pictures the walls give the scale. Lengths take the place of the file: \
 --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
@@ -117,6 +126,16 @@ fn one(options: &One) -> Result<()> {
     if let (Some(file), Some(seen)) = (&options.overlay, seen) {
         let png = capsule_contour::overlay(&seen.picture, &seen.found).context("could not draw the overlay")?;
         outputs.write(file, |file| std::fs::write(file, png))?;
+    }
+    if let Some(first) = outline.as_ref().filter(|_| !options.frames.is_empty()) {
+        let more = options.frames.iter();
+        let more = more.map(|file| outline::read(file, given, setup.half_width_um, &mut warnings));
+        let more = more.collect::<Result<Vec<_>>>()?;
+        for warning in warnings {
+            eprintln!("warning: {warning}");
+        }
+        let outlines: Vec<_> = std::iter::once(first).chain(&more).collect();
+        return sequence::run(&model, given, &outlines, options.transient, options.json);
     }
     let mut bench = Bench::new(&model);
     let grid = bench.grid(&model, given.observable())?;

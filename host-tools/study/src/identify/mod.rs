@@ -6,14 +6,14 @@ mod truth;
 
 use std::path::Path;
 
-use capsule_core::Model;
+use capsule_core::{Domain, Model};
 use capsule_database::{Database, table};
 use capsule_identify::{Grid, Observable, Priors};
 use serde::Serialize;
 
 use crate::StudyError;
 use crate::random::Random;
-use trials::{Bench, Told, Trial, by_contour, by_lengths};
+use trials::{Bench, Known, Trial, by_contour, by_lengths};
 use truth::{Drawing, Truth, normal};
 
 /// Pixels per l of the drawn contours.
@@ -108,7 +108,8 @@ pub fn identify(
                 for truth in &truths {
                     let trial = match plan.from {
                         From::Lengths => {
-                            by_lengths(&mut shapes, &grid, truth, plan.noise * plan.drawing(0.0).pixel_um())
+                            let deviation_um = plan.noise * plan.drawing(0.0).pixel_um();
+                            by_lengths(&mut shapes, &grid, truth, deviation_um, &mut random)
                         }
                         From::FullOrder | From::Own => {
                             let mut drawing = plan.drawing(plan.noise);
@@ -117,18 +118,17 @@ pub fn identify(
                                 drawing.scale = 0.005 * normal(&mut random);
                                 drawing.tilt = 0.02 * normal(&mut random);
                             }
-                            let [ca, confinement] = truth.parameters;
-                            let outline = if plan.from == From::Own {
+                            let (parameters, outline) = if plan.from == From::Own {
+                                let [ca, confinement] = anywhere(model, &mut random);
                                 let shape = shapes.at([ca.ln(), confinement])?;
-                                (0..=2000)
-                                    .map(|i| shape.curve.position(f64::from(i) / 2000.0))
-                                    .collect()
+                                let outline = (0..=2000).map(|i| shape.curve.position(f64::from(i) / 2000.0));
+                                ([ca, confinement], outline.collect())
                             } else {
-                                truth.outline.clone()
+                                (truth.parameters, truth.outline.clone())
                             };
-                            let told = plan.told(&drawing);
-                            let known = (truth.parameters, outline.as_slice());
-                            by_contour(&mut shapes, &grid, points, known, &drawing, &told, &mut random)
+                            let known = plan.known(&drawing);
+                            let truth = (parameters, outline.as_slice());
+                            by_contour(&mut shapes, &grid, points, truth, &drawing, &known, &mut random)
                         }
                     };
                     trials.push(trial?);
@@ -199,11 +199,11 @@ impl Plan {
         }
     }
 
-    fn told(&self, drawing: &Drawing) -> Told {
+    fn known(&self, drawing: &Drawing) -> Known {
         let usual = Priors::of_pixel(drawing.pixel_um());
         let own = self.from == From::Own;
         let factor = if self.unknown_frame { 1.0 } else { 0.0 };
-        Told {
+        Known {
             priors: Priors {
                 edge_um: factor * usual.edge_um,
                 scale: factor * usual.scale,
@@ -276,6 +276,20 @@ impl Series {
             fast_ms: median(&|trial| 1e3 * trial.seconds, 0.1),
             evaluations: median(&|trial| f64::from(trial.found.evaluations), 0.5),
             verdicts,
+        }
+    }
+}
+
+/// A capsule somewhere in the domain, even in ln Ca and a/l.
+fn anywhere(model: &Model<'_>, random: &mut Random) -> [f64; 2] {
+    let [first, second, ..] = model.parameters() else {
+        return [0.0; 2];
+    };
+    loop {
+        let ca = random.between(first.min.ln(), first.max.ln()).exp();
+        let place = [ca, random.between(second.min, second.max)];
+        if model.domain(place) == Ok(Domain::Inside) {
+            return place;
         }
     }
 }

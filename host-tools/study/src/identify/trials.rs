@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use capsule_core::Model;
 use capsule_identify::{
-    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Memory, Observable, Point, Priors,
-    Setup, Shapes, Store, identify,
+    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Memory, NODES_ROOM, Observable,
+    Point, Priors, Setup, Shapes, Store, identify,
 };
 
-use super::truth::{Drawing, HALF_WIDTH_UM, Truth, contour};
+use super::truth::{Drawing, HALF_WIDTH_UM, Truth, contour, normal};
 use crate::StudyError;
 use crate::random::Random;
 
@@ -24,7 +24,7 @@ impl Bench {
     pub(crate) fn new(model: &Model<'_>) -> Self {
         Self {
             workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; model.mesh().nodes()],
+            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
             normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
             points: vec![Point::default(); 4096],
         }
@@ -50,7 +50,7 @@ impl Bench {
 
 /// Known quantities of a trial beside the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct Known {
     pub(crate) priors: Priors,
     /// Whether it is told the contour's noise.
     pub(crate) noise: bool,
@@ -101,7 +101,7 @@ pub(crate) fn by_contour(
     points: &mut [Point],
     (parameters, outline): ([f64; 2], &[[f64; 2]]),
     drawing: &Drawing,
-    told: &Told,
+    known: &Known,
     random: &mut Random,
 ) -> Result<Trial, StudyError> {
     let drawn = contour(outline, drawing, random);
@@ -110,10 +110,10 @@ pub(crate) fn by_contour(
         contour: Some(Contour {
             points_um: &drawn,
             direction: Direction::Right,
-            noise_um: told.noise.then(|| drawing.noise * drawing.pixel_um()),
+            noise_um: known.noise.then(|| drawing.noise * drawing.pixel_um()),
         }),
         lengths: Lengths::default(),
-        priors: told.priors,
+        priors: known.priors,
     };
     let start = Instant::now();
     let found = identify(shapes, grid, &measurement, points)?;
@@ -130,10 +130,11 @@ pub(crate) fn by_lengths(
     grid: &Grid,
     truth: &Truth,
     deviation_um: f64,
+    random: &mut Random,
 ) -> Result<Trial, StudyError> {
     let [length, half_width, rear_depth, _] = truth.scalars.map(|value| {
         Some(Measured {
-            value: value * HALF_WIDTH_UM,
+            value: (value * HALF_WIDTH_UM + deviation_um * normal(random)).max(0.0),
             deviation: deviation_um,
         })
     });

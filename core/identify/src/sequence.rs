@@ -1,0 +1,238 @@
+//! Several frames of one capsule: steady ones, whose capsule is the same in all, or ones of its transient, at unknown
+//! instants.
+//!
+//! Ca, a/l, the edge and the scale are common to all frames. Each frame has an instant of its own (unless the capsule is
+//! steady), a shift, a tilt and an error of the model, which are eliminated from its normal equations; what is left of
+//! all frames is added. The model errs alike in all frames, so its error is not averaged away: its standard deviations
+//! are greater by the root of the number of frames.
+
+use crate::algebra::Factor;
+use crate::domain::{Domain, Side};
+use crate::error::IdentifyError;
+use crate::fit::{Fitter, Slopes};
+use crate::frames::{COMMON, Fit, Frame, fall, summed};
+use crate::grid::Grid;
+use crate::identification::Estimate;
+use crate::measurement::{Contour, Direction, Flow, Lengths, Measurement, Priors, Setup};
+use crate::model_error;
+use crate::noise::BINS;
+use crate::profile::Interval;
+use crate::residuals::{NUISANCES, Point};
+use crate::shapes::{Shapes, VELOCITY};
+use capsule_core::EvaluateError;
+
+/// The most frames.
+pub const MAX_FRAMES: usize = 8;
+/// Standard normal quantiles of 68.27 and 95 %.
+const QUANTILES: [f64; 2] = [1.0, 1.959_964];
+
+/// Contours of one capsule.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence<'a> {
+    /// Channel and flow.
+    pub setup: Setup,
+    /// A contour for each frame, at most [`MAX_FRAMES`], with the direction of the flow.
+    pub contours: &'a [Contour<'a>],
+    /// Systematic errors.
+    pub priors: Priors,
+    /// Whether the capsule is steady in all frames; else the instant of each is fitted.
+    pub steady: bool,
+}
+
+/// What a sequence tells.
+#[derive(Clone, Copy, Debug)]
+pub struct SequenceIdentification {
+    /// Capillary number mu V / G_s; intervals by the curvature of the sum of squares.
+    pub capillary_number: Estimate,
+    /// a/l.
+    pub confinement: Estimate,
+    /// Radius a, in um.
+    pub radius_um: Estimate,
+    /// Surface shear modulus G_s, in N/m.
+    pub shear_modulus_n_per_m: Estimate,
+    /// Standard deviations of ln Ca and a/l.
+    pub deviations: [f64; 2],
+    /// Instants of the frames, in l/V since the capsule was a sphere, and their standard deviations.
+    pub instants: [[f64; 2]; MAX_FRAMES],
+    /// Greatest noise of a point in a frame, in um.
+    pub noise_um: f64,
+    /// By how much the sum of squares would fall if each frame had a capsule of its own.
+    pub drift: f64,
+    /// What that is on average where all frames show one capsule: its degrees of freedom.
+    pub drift_freedom: f64,
+    /// How many outlines of the model were computed.
+    pub evaluations: u32,
+}
+
+impl SequenceIdentification {
+    /// Whether the frames differ by more than chance, three standard deviations of chi-squared: then they do not show
+    /// one capsule, or it is not steady.
+    pub fn drifts(&self) -> bool {
+        self.drift > self.drift_freedom + 3.0 * libm::sqrt(2.0 * self.drift_freedom)
+    }
+}
+
+/// Identifies a capsule from several frames. `points` is room for as many points as the longest contour has.
+///
+/// # Errors
+/// See [`IdentifyError`].
+pub fn identify_sequence(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    sequence: &Sequence<'_>,
+    points: &mut [Point],
+) -> Result<SequenceIdentification, IdentifyError> {
+    let count = sequence.contours.len();
+    if count == 0 || count > MAX_FRAMES {
+        return Err(IdentifyError::Frames { found: count });
+    }
+    for contour in sequence.contours {
+        crate::solve::check(&sequence.measurement(contour), points.len())?;
+        if contour.direction == Direction::Found {
+            return Err(IdentifyError::Direction);
+        }
+    }
+    if matches!(sequence.setup.flow, Flow::CapsuleVelocity(_)) && !sequence.steady {
+        return Err(IdentifyError::ChangingVelocity);
+    }
+    let (evaluated, end) = (shapes.evaluations(), shapes.instant());
+    let found = identify_frames(shapes, grid, sequence, points);
+    let mut found = found.inspect_err(|_| shapes.set_instant(end))?;
+    shapes.set_instant(end);
+    found.evaluations = shapes.evaluations() - evaluated;
+    Ok(found)
+}
+
+fn identify_frames(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    sequence: &Sequence<'_>,
+    points: &mut [Point],
+) -> Result<SequenceIdentification, IdentifyError> {
+    let domain = Domain::new(shapes.model()).ok_or(EvaluateError::UnsupportedReference)?;
+    let empty = Frame {
+        points: [Point::default(); 2 * BINS],
+        count: 0,
+        noise: 0.0,
+        t: 0.0,
+        nuisances: [0.0; NUISANCES],
+    };
+    let end = shapes.instant();
+    let mut fit = Fit {
+        fitter: Fitter { shapes, domain },
+        sequence,
+        end,
+        side: Side::Dented,
+        theta: [0.0; 2],
+        frames: [empty; MAX_FRAMES],
+    };
+    let mut best: Option<(f64, Side, [f64; 2], [Frame; MAX_FRAMES])> = None;
+    for (side, theta, instants) in fit.starts(grid)?.into_iter().flatten() {
+        fit.begin(side, theta, instants)?;
+        if let Some(sum) = fit.run()?
+            && best.as_ref().is_none_or(|(least, ..)| sum < *least)
+        {
+            best = Some((sum, fit.side, fit.theta, fit.frames));
+        }
+    }
+    let (_, side, theta, frames) = best.ok_or(IdentifyError::NoFit)?;
+    (fit.side, fit.theta, fit.frames) = (side, theta, frames);
+    // Twice: the weights of the points, and the bins, from the residuals of the fit before.
+    for _ in 0..2 {
+        fit.gather(points)?;
+        fit.run()?.ok_or(IdentifyError::NoFit)?;
+    }
+    fit.state()
+}
+
+impl<'s> Sequence<'s> {
+    pub(crate) fn measurement(&self, contour: &Contour<'s>) -> Measurement<'s> {
+        Measurement {
+            setup: self.setup,
+            contour: Some(*contour),
+            lengths: Lengths::default(),
+            priors: self.priors,
+        }
+    }
+
+    /// The middle of a contour, in l, in the frame of the flow.
+    pub(crate) fn middle(&self, contour: &Contour<'_>) -> [f64; 2] {
+        contour.framed(contour.direction, self.setup.half_width_um).middle
+    }
+}
+
+impl Fit<'_, '_, '_, '_> {
+    fn state(&mut self) -> Result<SequenceIdentification, IdentifyError> {
+        let linears = self.total()?.ok_or(IdentifyError::NoFit)?;
+        let factor = Factor::new(&summed(&linears)).ok_or(IdentifyError::NoFit)?;
+        let covariance: [[f64; COMMON]; COMMON] = core::array::from_fn(|i| factor.inverse_column(i));
+        // The model's own parameters, from the last frame.
+        let last = self.frames[self.count() - 1];
+        let shape = self.shape(self.theta, last.t)?;
+        let sensitivity = self.fitter.sensitivity(Slopes::Secant, self.side, self.theta, &shape)?;
+        let own = model_error::of_parameters(&shape, &sensitivity).map(|own| self.sequence.priors.model * own);
+        let deviations = [0, 1].map(|d| libm::hypot(libm::sqrt(covariance[d][d]), own[d]));
+        let mut instants = [[0.0; 2]; MAX_FRAMES];
+        for ((instant, frame), linear) in instants.iter_mut().zip(&self.frames).zip(&linears).take(self.count()) {
+            let by = |k: usize| linear.steps[1 + k][0];
+            let common: f64 = (0..COMMON)
+                .flat_map(|i| (0..COMMON).map(move |k| (i, k)))
+                .map(|(i, k)| by(i) * covariance[i][k] * by(k))
+                .sum();
+            let variance = if self.sequence.steady {
+                0.0
+            } else {
+                linear.variance + common
+            };
+            *instant = [frame.t, libm::sqrt(variance)];
+        }
+        let [ca, confinement] = self.theta;
+        let range = self.fitter.domain.range(self.side, confinement).unwrap_or([ca; 2]);
+        let half_width = self.sequence.setup.half_width_um;
+        let value = libm::exp(ca);
+        let mean_velocity = match self.sequence.setup.flow {
+            Flow::MeanVelocity(velocity) => velocity,
+            Flow::Rate(rate) => rate / (4e-12 * half_width * half_width),
+            Flow::CapsuleVelocity(capsule) => capsule / shape.scalars[VELOCITY],
+        };
+        let shear = self.sequence.setup.viscosity_pa_s * mean_velocity / value;
+        let confinements = self.fitter.domain.confinements();
+        Ok(SequenceIdentification {
+            capillary_number: estimate(ca, deviations[0], range, libm::exp),
+            confinement: estimate(confinement, deviations[1], confinements, |x| x),
+            radius_um: estimate(confinement, deviations[1], confinements, |x| x * half_width),
+            shear_modulus_n_per_m: estimate(ca, deviations[0], range, |x| shear * value / libm::exp(x)),
+            deviations,
+            instants,
+            noise_um: half_width
+                * self
+                    .frames
+                    .iter()
+                    .take(self.count())
+                    .fold(0.0, |most: f64, f| most.max(f.noise)),
+            drift: linears.iter().take(self.count()).map(fall).sum(),
+            drift_freedom: 2.0 * (self.count() - 1) as f64,
+            evaluations: 0,
+        })
+    }
+}
+
+/// A quantity that is a monotonic function of a normal one, with its intervals, open at the ends of a range.
+fn estimate(x: f64, deviation: f64, [low, high]: [f64; 2], of: impl Fn(f64) -> f64) -> Estimate {
+    let interval = |quantile: f64| {
+        let ends = [x - quantile * deviation, x + quantile * deviation];
+        let open = [ends[0] < low, ends[1] > high];
+        Interval {
+            low: ends[0].max(low),
+            high: ends[1].min(high),
+            open,
+        }
+        .map(&of)
+    };
+    let [interval_68, interval_95] = QUANTILES.map(interval);
+    Estimate {
+        value: of(x),
+        interval_68,
+        interval_95,
+    }
+}
