@@ -420,3 +420,37 @@ fn absurd_numbers_of_a_valid_model_are_refused_where_they_leave() {
         assert!(instant.observables().is_ok());
     }
 }
+
+#[test]
+fn without_outlines_the_lengths_are_those_of_all_nodes() {
+    let family = Family::new(3);
+    let mut arena = common::Arena::default();
+    let mut contents = family.contents(&mut arena);
+    contents.mesh.node_sets.clear();
+    let file = common::write(&contents);
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f64>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    evaluator.prepare(&Query::new([0.053, 0.87], Method::Direct)).unwrap();
+    let mut instant = evaluator.at(1.5).unwrap();
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Laboratory,
+    };
+    let mut nodes = vec![[0.0; 3]; family.nodes()];
+    instant.positions(&scene, &mut nodes).unwrap();
+    let found = instant.observables().unwrap();
+    let extent = |along: fn(&[f64; 3]) -> f64| {
+        let values = || nodes.iter().map(along);
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    let expected = [
+        extent(|node| node[0]),
+        0.5 * extent(|node| node[1]),
+        0.5 * extent(|node| (node[1] + node[2]) / 2.0_f64.sqrt()),
+    ];
+    let found = [found.axial_length, found.half_width, found.half_diagonal];
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+}
