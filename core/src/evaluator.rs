@@ -113,8 +113,8 @@ impl<'a, T: Real, const K: usize, const M: usize, const N: usize, const S: usize
         Ok(Instant::new(self.target(query, t)?, domain, self.workspace))
     }
 
-    /// Derivatives, by the parameters, of the answers of [`Method::Direct`] to a query at the instant `t` in [0, T]. The
-    /// workspace holds them in the place of a prepared query: after them a query must be prepared anew.
+    /// Derivatives, by the parameters, of the answers of [`Method::Direct`] to a query at the instant `t` in [0, T].
+    /// The workspace holds them in the place of a prepared query: after them a query must be prepared anew.
     ///
     /// The derivatives are those of the interpolation that answers. Where a sample enters or leaves the nearest ones,
     /// and where the steady limit bends, they jump; at a border of the domain they are those inside. A shape that is

@@ -26,7 +26,7 @@
 //!
 //! Modules depend on each other in one direction: `linalg` and `model` (the file) are the base; `interpolate` computes
 //! the weights of the samples, `motion` and `paper` the coefficients of the modes, `surface` and `mechanics` the
-//! answers. `solver` and `workspace` hold the storage; `evaluator` and `instant` are the interface.
+//! answers. `solver` and `workspace` hold the storage; `evaluator`, `instant` and `derivatives` are the interface.
 #![no_std]
 #![forbid(unsafe_code)]
 

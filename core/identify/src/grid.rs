@@ -11,7 +11,7 @@ const COLUMNS: usize = 12;
 /// The most entries, with both sides of the border.
 const ENTRIES: usize = 2 * ROWS * COLUMNS;
 
-/// Numbers by which outlines are of_capsule apart: the scalars, the area, and how far the area's centroid is in front of the
+/// Numbers by which outlines are told apart: the scalars, the area, and how far the area's centroid is in front of the
 /// middle of the extent.
 pub(crate) const FEATURES: usize = SCALARS + 2;
 

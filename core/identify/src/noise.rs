@@ -127,7 +127,7 @@ fn correlated(points: &[Point]) -> f64 {
     correlated
 }
 
-/// Gathers points in bins along the curve, each on either side: the mean of the places, displaced along the normal until
+/// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal until
 /// its residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
 pub(crate) fn bin(
     data: &Data<'_>,

@@ -2,8 +2,8 @@
 //!
 //! A point's residual is its distance from the model's curve along the normal, less the edge's offset and the model's
 //! own error. That error is a smooth function of the place along the curve, a sum of cosines with coefficients around 0
-//! that are nuisance parameters like the rest: so errors of the model widen the intervals as much as they can move the answer,
-//! and are not averaged away as if they were noise.
+//! that are nuisance parameters like the rest: so errors of the model widen the intervals as much as they can move the
+//! answer, and are not averaged away as if they were noise.
 
 use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};

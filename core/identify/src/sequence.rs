@@ -1,8 +1,8 @@
 //! Several frames of one capsule: steady ones, whose capsule is the same in all, or ones of its transient, at unknown
 //! instants.
 //!
-//! Ca, a/l, the edge and the scale are common to all frames. Each frame has an instant of its own (unless the capsule is
-//! steady), a shift, a tilt and an error of the model, which are eliminated from its normal equations; what is left of
+//! Ca, a/l, the edge and the scale are common to all frames. Each frame has an instant of its own (unless the capsule
+//! is steady), a shift, a tilt and an error of the model, which are eliminated from its normal equations; what is left of
 //! all frames is added. The model errs alike in all frames, so its error is not averaged away: its standard deviations
 //! are greater by the root of the number of frames.
 

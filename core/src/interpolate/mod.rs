@@ -3,7 +3,7 @@
 //! [`Coordinates`] transforms the parameters, `search` finds the nearest samples, and [`Weights`] holds the L_j. Two
 //! methods compute them: `kernel`, a quintic kernel with a quadratic tail, for
 //! [`Method::Direct`](crate::Method::Direct), and `diffuse`, the diffuse approximation of the paper (section 3.4.1),
-//! for [`Method::Paper`](crate::Method::Paper).
+//! for [`Method::Paper`](crate::Method::Paper). `derivative` has the derivatives of the kernel's weights.
 
 mod coordinates;
 mod derivative;

@@ -1,4 +1,5 @@
-//! Times of identifications with the shipped model, by criterion: `cargo bench --package capsule-study --bench identify`.
+//! Times of identifications with the shipped model, by criterion: `cargo bench --package capsule-study --bench
+//! identify`.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
