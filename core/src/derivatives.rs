@@ -1,8 +1,8 @@
 //! Derivatives of answers by a parameter of the query.
 //!
 //! Direct evaluation is linear in the weights of the samples, apart from the sphere of radius a/l that the displacement
-//! belongs to. So the derivative of an answer is the same answer with the derivatives of the weights, and the derivative
-//! of a/l in the place of a/l.
+//! belongs to. So the derivative of an answer is the same answer with the derivatives of the weights, and the
+//! derivative of a/l in the place of a/l.
 
 use crate::error::{EvaluateError, finite};
 use crate::model::MatrixView;

@@ -2,9 +2,9 @@
 //! instants.
 //!
 //! Ca, a/l, the edge and the scale are common to all frames. Each frame has an instant of its own (unless the capsule
-//! is steady), a shift, a tilt and an error of the model, which are eliminated from its normal equations; what is left of
-//! all frames is added. The model errs alike in all frames, so its error is not averaged away: its standard deviations
-//! are greater by the root of the number of frames.
+//! is steady), a shift, a tilt and an error of the model, which are eliminated from its normal equations; what remains
+//! of all frames is added. The model errs alike in all frames, so its error is not averaged away: its standard
+//! deviations are greater by the root of the number of frames.
 
 use crate::algebra::Factor;
 use crate::domain::{Domain, Side};
