@@ -1,7 +1,7 @@
 //! Errors of an identification.
 
 use crate::contour::ContourError;
-use crate::sequence::MAX_FRAMES;
+use crate::measurement::MAX_FRAMES;
 use capsule_core::EvaluateError;
 
 /// The cause of a refused measurement.

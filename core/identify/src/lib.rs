@@ -39,10 +39,10 @@ pub use domain::Side;
 pub use error::IdentifyError;
 pub use grid::Grid;
 pub use identification::{Alternative, Estimate, Frame, Identification, Verdict};
-pub use measurement::{Contour, Direction, Flow, Lengths, Measured, Measurement, Priors, Setup};
+pub use measurement::{Contour, Direction, Flow, Lengths, MAX_FRAMES, Measured, Measurement, Priors, Sequence, Setup};
 pub use profile::Interval;
 pub use residuals::Point;
-pub use sequence::{MAX_FRAMES, Sequence, SequenceIdentification, identify_sequence};
+pub use sequence::{SequenceIdentification, identify_sequence};
 pub use shapes::{
     HALF_WIDTH, LENGTH, Memory, NODES_ROOM, Observable, RADIUS, REAR_DEPTH, SCALARS, Shape, Shapes, Store, VELOCITY,
 };

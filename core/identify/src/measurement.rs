@@ -172,3 +172,19 @@ pub struct Measurement<'a> {
     /// Systematic errors.
     pub priors: Priors,
 }
+
+/// The most frames.
+pub const MAX_FRAMES: usize = 8;
+
+/// Contours of one capsule.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence<'a> {
+    /// Channel and flow.
+    pub setup: Setup,
+    /// A contour for each frame, at most [`MAX_FRAMES`], with the direction of the flow.
+    pub contours: &'a [Contour<'a>],
+    /// Systematic errors.
+    pub priors: Priors,
+    /// Whether the capsule is steady in all frames; else the instant of each is fitted.
+    pub steady: bool,
+}

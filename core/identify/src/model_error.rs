@@ -18,12 +18,6 @@ const FREEDOM: f64 = 2.0;
 /// 2), the mean square for s = 1.
 const SQUARE: f64 = 0.3725;
 
-/// sigma_k.
-pub(crate) fn spectrum(k: usize) -> f64 {
-    let ratio = k as f64 / 7.0;
-    0.2 / (1.0 + ratio * libm::sqrt(ratio))
-}
-
 /// The scale s that makes a fit likeliest, from one it was made with: a step of expectation and maximisation (Dempster,
 /// Laird, Rubin, 1977). The expected squares of the coefficients are those of the fit and their variances.
 pub(crate) fn scale(fit: &Fit, before: f64) -> f64 {
@@ -61,6 +55,7 @@ pub(crate) fn of_parameters(shape: &Shape, sensitivity: &Sensitivity) -> [f64; 2
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::residuals::spectrum;
 
     #[test]
     fn the_bound_is_that_of_95_of_100_scales() {

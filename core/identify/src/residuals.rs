@@ -7,7 +7,6 @@
 
 use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};
-use crate::model_error::spectrum;
 use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, Sensitivity, Shape};
 
 /// Cosines of the model's error.
@@ -339,4 +338,10 @@ fn cosines(curve: &Curve, place: f64) -> [f64; MODES] {
         cosines[k] = 2.0 * first * cosines[k - 1] - cosines[k - 2];
     }
     cosines
+}
+
+/// sigma_k: the standard deviation of cosine `k` of the model's error, in the model's 95 % bound.
+pub(crate) fn spectrum(k: usize) -> f64 {
+    let ratio = k as f64 / 7.0;
+    0.2 / (1.0 + ratio * libm::sqrt(ratio))
 }

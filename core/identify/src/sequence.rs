@@ -13,7 +13,7 @@ use crate::fit::{Fitter, Slopes};
 use crate::frames::{COMMON, Fit, Frame, fall, summed};
 use crate::grid::Grid;
 use crate::identification::Estimate;
-use crate::measurement::{Contour, Direction, Flow, Lengths, Measurement, Priors, Setup};
+use crate::measurement::{Contour, Direction, Flow, Lengths, MAX_FRAMES, Measurement, Sequence};
 use crate::model_error;
 use crate::noise::BINS;
 use crate::profile::Interval;
@@ -21,23 +21,8 @@ use crate::residuals::{NUISANCES, Point};
 use crate::shapes::{Shapes, VELOCITY};
 use capsule_core::EvaluateError;
 
-/// The most frames.
-pub const MAX_FRAMES: usize = 8;
 /// Standard normal quantiles of 68.27 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_964];
-
-/// Contours of one capsule.
-#[derive(Clone, Copy, Debug)]
-pub struct Sequence<'a> {
-    /// Channel and flow.
-    pub setup: Setup,
-    /// A contour for each frame, at most [`MAX_FRAMES`], with the direction of the flow.
-    pub contours: &'a [Contour<'a>],
-    /// Systematic errors.
-    pub priors: Priors,
-    /// Whether the capsule is steady in all frames; else the instant of each is fitted.
-    pub steady: bool,
-}
 
 /// What a sequence tells.
 #[derive(Clone, Copy, Debug)]

@@ -20,15 +20,20 @@ fn run(contour: &Path, options: &str) -> Output {
         .expect("the command starts")
 }
 
-/// The section z = 0 in l, and the capsule's velocity in V.
-fn section(ca: f64, confinement: f64) -> (Vec<[f64; 2]>, f64) {
+/// The section z = 0 of the steady capsule in l, and the capsule's velocity in V.
+fn section() -> (Vec<[f64; 2]>, f64) {
+    section_at(f64::INFINITY)
+}
+
+/// The same at an instant, or at the model's last one.
+fn section_at(t: f64) -> (Vec<[f64; 2]>, f64) {
     let model = Model::open(include_bytes!("../../../models/capsule.crom")).unwrap();
     let mut workspace = Workspace::<f64>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
     evaluator
-        .prepare(&Query::new([ca, confinement], Method::Direct))
+        .prepare(&Query::new([CA, CONFINEMENT], Method::Direct))
         .unwrap();
-    let mut instant = evaluator.at(f64::from(model.end_time())).unwrap();
+    let mut instant = evaluator.at(t.min(model.end_time().into())).unwrap();
     let mut half = vec![[0.0; 2]; model.node_set(MIDPLANE).unwrap().len()];
     instant.outline(MIDPLANE, Frame::Centroid, &mut half).unwrap();
     let mirrored: Vec<[f64; 2]> = half[1..half.len() - 1].iter().rev().map(|[x, r]| [*x, -r]).collect();
@@ -38,14 +43,19 @@ fn section(ca: f64, confinement: f64) -> (Vec<[f64; 2]>, f64) {
 
 /// Writes the section in um and returns the capsule's velocity in V.
 fn write_contour(path: &Path) -> f64 {
-    let (points, velocity) = section(CA, CONFINEMENT);
+    let (points, velocity) = section();
+    write_points(path, &points);
+    velocity
+}
+
+/// Writes points in l as a contour in um.
+fn write_points(path: &Path, points: &[[f64; 2]]) {
     let mut text = "x_um;y_um\n".to_owned();
     for [x, y] in points {
         let [x, y] = [x, y].map(|value| format!("{:.4}", HALF_WIDTH_UM * value).replace('.', ","));
         text.push_str(&format!("{x};{y}\n"));
     }
     std::fs::write(path, text).unwrap();
-    velocity
 }
 
 /// Size of the picture, pixels per l, and the middle of the first capsule.
@@ -69,7 +79,7 @@ fn smooth(nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 /// Draws capsules at distances behind the first, dark between two walls, and writes the picture.
 fn write_picture(path: &Path, capsules: &[f64]) {
-    let (nodes, _) = section(CA, CONFINEMENT);
+    let (nodes, _) = section();
     let outline = smooth(&nodes);
     // Places where a row of the capsule crosses its outline.
     let crossings = |y: f64| -> Vec<f64> {
@@ -128,6 +138,44 @@ fn a_known_capsule_lies_in_its_intervals() {
         (blur / (0.01 * 5.0 * velocity) - 1.0).abs() < 2e-3,
         "{blur}, {velocity}"
     );
+}
+
+#[test]
+fn several_frames_tell_the_capsule_and_their_instants() {
+    let directory = tempfile::tempdir().unwrap();
+    let identify = |instants: [f64; 3], options: &str| {
+        let files = instants.map(|t| {
+            let file = directory.path().join(format!("{t}.csv"));
+            write_points(&file, &section_at(t).0);
+            file
+        });
+        let [first, second, third] = &files;
+        let more = format!("--frames {} {}", second.display(), third.display());
+        let output = run(
+            first,
+            &format!("{FLOW} -o midplane --flow right --json {options} {more}"),
+        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        for (name, truth) in [("ca", CA), ("confinement", CONFINEMENT)] {
+            let [low, high] = [0, 1].map(|end| answer[name]["interval_95"][end].as_f64().unwrap());
+            assert!(low < truth && truth < high, "{name}: {truth} in {low} to {high}");
+            let value = answer[name]["value"].as_f64().unwrap();
+            assert!((value / truth - 1.0).abs() < 0.02, "{name}: {value}, {truth}");
+        }
+        answer
+    };
+    let steady = identify([18.0, 19.0, 20.0], "");
+    assert_eq!((&steady["drifts"], &steady["instants"]), (&false.into(), &Value::Null));
+    let truths = [0.4, 0.9, 2.0];
+    let transient = identify(truths, "--transient");
+    for (instant, truth) in transient["instants"].as_array().unwrap().iter().zip(truths) {
+        let [t, deviation] = ["t", "deviation"].map(|key| instant[key].as_f64().unwrap());
+        assert!(
+            (t - truth).abs() < 4.0 * deviation.max(0.01),
+            "{t} +- {deviation}, {truth}"
+        );
+    }
 }
 
 #[test]

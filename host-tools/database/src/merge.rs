@@ -139,8 +139,9 @@ mod tests {
             if k % 2 == 0 { &a } else { &b }.write(&one).unwrap();
         }
         a.write(&trajectory(0.02, 0.9)).unwrap();
+        b.write(&trajectory(0.03, 0.9)).unwrap();
         let merge = Merge::gather(&[at("a"), at("b")]).unwrap();
-        assert_eq!((merge.entries().count(), merge.repeated()), (6, 1));
+        assert_eq!((merge.entries().count(), merge.repeated()), (6, 2));
         merge.write(&at("merged")).unwrap();
         let merged = Database::open(&at("merged")).unwrap();
         assert_eq!(merged.digest().unwrap(), whole.digest().unwrap());

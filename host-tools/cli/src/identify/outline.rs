@@ -19,13 +19,25 @@ pub struct Outline {
     pub seen: Option<Seen>,
 }
 
+impl From<Seen> for Outline {
+    fn from(seen: Seen) -> Self {
+        Self {
+            points_um: seen.points_um(),
+            pixel_um: Some(seen.summary.pixel_um),
+            direction: seen.direction,
+            note: seen.note.clone(),
+            seen: Some(seen),
+        }
+    }
+}
+
 /// Reads a file: a picture if it begins like one or is named like one, else a text.
 pub fn read(path: &Path, given: &Given, half_width_um: f64, warnings: &mut Vec<String>) -> Result<Outline> {
     let bytes = std::fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
     let named = ending.is_some_and(|ending| ["png", "jpg", "jpeg", "tif", "tiff"].iter().any(|name| *name == ending));
     let outline = if named || Picture::is_one(&bytes) {
-        picture::read(&bytes, given, half_width_um, warnings)
+        picture::read(&bytes, given, half_width_um, warnings).map(Outline::from)
     } else {
         from_text(&bytes, given)
     };

@@ -1,7 +1,6 @@
 //! The outline of a capsule in a picture, and its scale.
 
 use super::given::Given;
-use super::outline::Outline;
 use anyhow::{Context, Result, bail, ensure};
 use capsule_contour::{Capsule, Found, Picture, Settings};
 use capsule_identify::Direction;
@@ -17,6 +16,10 @@ pub struct Seen {
     pub found: Found,
     /// Which of the capsules is identified.
     index: usize,
+    /// The direction of the flow, in the coordinates of a contour.
+    pub direction: Direction,
+    /// The outline's origin, in words.
+    pub note: String,
     pub summary: Summary,
 }
 
@@ -24,7 +27,7 @@ pub struct Seen {
 #[derive(Clone, Serialize)]
 pub struct Summary {
     edge: &'static str,
-    pixel_um: f64,
+    pub pixel_um: f64,
     scale_from: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     walls_px: Option<f64>,
@@ -40,6 +43,12 @@ pub struct Summary {
 impl Seen {
     fn capsule(&self) -> &Capsule {
         &self.found.capsules[self.index]
+    }
+
+    /// The contour of the capsule, in um.
+    pub fn points_um(&self) -> Vec<[f64; 2]> {
+        let points = self.capsule().points.iter();
+        points.map(|point| point.map(|x| x * self.summary.pixel_um)).collect()
     }
 
     /// The contour as a text that can be read again.
@@ -62,7 +71,7 @@ pub fn turned(direction: Direction) -> Direction {
 }
 
 /// Finds the capsule in a picture.
-pub fn read(bytes: &[u8], given: &Given, half_width_um: f64, warnings: &mut Vec<String>) -> Result<Outline> {
+pub fn read(bytes: &[u8], given: &Given, half_width_um: f64, warnings: &mut Vec<String>) -> Result<Seen> {
     ensure!(
         given.unit().is_none(),
         "--unit is for text files, and this is a picture"
@@ -119,17 +128,13 @@ pub fn read(bytes: &[u8], given: &Given, half_width_um: f64, warnings: &mut Vec<
         },
         (given, _) => given,
     };
-    Ok(Outline {
-        points_um: capsule.points.iter().map(|point| point.map(|x| x * pixel_um)).collect(),
-        pixel_um: Some(pixel_um),
+    Ok(Seen {
+        picture,
+        found,
+        index,
         direction: turned(direction),
         note,
-        seen: Some(Seen {
-            picture,
-            found,
-            index,
-            summary,
-        }),
+        summary,
     })
 }
 

@@ -300,6 +300,24 @@ mod tests {
     const LAST: &str = "configuration 2 (flow = 1)";
 
     #[test]
+    fn the_reference_is_the_mean_initial_shape_about_its_centroid() {
+        // The last of three unit spheres is wider, and starts elsewhere.
+        let collection = moving(|[x, y, z], _, _| [x + 3.0, 1.3 * y, 1.3 * z]).unwrap();
+        let (mesh, radius) = collection.reference().unwrap();
+        let sphere = octahedral(4);
+        for (found, [x, y, z]) in mesh.nodes.iter().zip(&sphere.nodes) {
+            let expected = [*x, 1.1 * y, 1.1 * z];
+            assert!(
+                (0..3).all(|d| (found[d] - expected[d]).abs() < 1e-12),
+                "{found:?} {expected:?}"
+            );
+        }
+        let (volume, _) = sphere.volume_and_centroid(&sphere.nodes).unwrap();
+        let expected = (0.75 * 1.1 * 1.1 * volume / std::f64::consts::PI).cbrt();
+        assert!((radius - expected).abs() < 1e-12, "{radius} {expected}");
+    }
+
+    #[test]
     fn any_unit_and_any_origin_along_the_channel_will_do() {
         for unit in [1e-140, 1e-6, 1.0, 1e90] {
             let mut collection = moving(|node, _, _| node).unwrap();
