@@ -90,3 +90,22 @@ impl<T: Real, const P: usize> From<[T; P]> for Parameters<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_offset_costs_no_precision() {
+        let range = Parameter {
+            origin: 10_000.0,
+            scale: 0.4,
+            ..Parameter::default()
+        };
+        let scaled = |parameters: Parameters<f32>| parameters.scaled(&[range]).get(0);
+        let exact = Parameters::from_doubles(&[10_000.2]).map(scaled);
+        assert!(exact.is_some_and(|value| (value - 0.5).abs() < 1e-6), "{exact:?}");
+        // Single precision has a step of 1e-3 there.
+        assert!((scaled(Parameters::from([10_000.2_f32])) - 0.5).abs() > 1e-4);
+    }
+}
