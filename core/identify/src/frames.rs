@@ -243,7 +243,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
                     .for_each(|(entry, b)| *entry += weight * a * b);
             }
         });
-        // What stays where it is.
+        // An unknown that is held has an empty row: with a 1 on its diagonal the factor exists.
         for i in [0, 1 + EDGE, 1 + SCALE] {
             if own_matrix[i][i] == 0.0 {
                 own_matrix[i][i] = 1.0;

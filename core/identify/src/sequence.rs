@@ -24,7 +24,7 @@ use capsule_core::EvaluateError;
 /// Standard normal quantiles of 68.27 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_964];
 
-/// What a sequence tells.
+/// The result of an identification from several frames.
 #[derive(Clone, Copy, Debug)]
 pub struct SequenceIdentification {
     /// Capillary number mu V / G_s; intervals by the curvature of the sum of squares.
@@ -43,7 +43,7 @@ pub struct SequenceIdentification {
     pub noise_um: f64,
     /// By how much the sum of squares would fall if each frame had a capsule of its own.
     pub drift: f64,
-    /// What that is on average where all frames show one capsule: its degrees of freedom.
+    /// Degrees of freedom of the drift: its mean where all frames show one capsule.
     pub drift_freedom: f64,
     /// How many outlines of the model were computed.
     pub evaluations: u32,

@@ -62,6 +62,24 @@ fn weights<T: Real>(kernel: bool, rows: usize, query: [f64; 2], left_out: Option
     weights_with_jump(&Matrix::f32(0, 2, &[]), kernel, rows, query, left_out)
 }
 
+/// Does something with the samples of the first rows of the grid and their coordinates.
+fn with_grid<R>(jump_curve: &Matrix<'_>, rows: usize, work: impl FnOnce(&Coordinates<'_>, &Samples<'_>) -> R) -> R {
+    let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
+    let coordinates = channel(&matrix(&limit), jump_curve);
+    let grid: [_; 200] = core::array::from_fn(grid);
+    let (points, grid) = (transformed_samples(&coordinates, grid), bytes(grid));
+    let part = |bytes| Matrix {
+        rows: 20 * rows as u32,
+        blob: Blob::new(&matrix(bytes).blob.data[..8 * 20 * rows]),
+        ..matrix(bytes)
+    };
+    let samples = Samples {
+        parameters: part(&grid),
+        places: part(&points),
+    };
+    work(&coordinates, &samples)
+}
+
 /// The same with a jump curve.
 fn weights_with_jump<T: Real>(
     jump_curve: &Matrix<'_>,
@@ -70,48 +88,26 @@ fn weights_with_jump<T: Real>(
     query: [f64; 2],
     left_out: Option<usize>,
 ) -> Weights<T, N> {
-    let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
-    let coordinates = channel(&matrix(&limit), jump_curve);
     let query = Parameters::from(query.map(T::from_f64));
-    let grid: [_; 200] = core::array::from_fn(grid);
-    let (points, grid) = (transformed_samples(&coordinates, grid), bytes(grid));
-    let part = |bytes| Matrix {
-        rows: 20 * rows as u32,
-        blob: Blob::new(&matrix(bytes).blob.data[..8 * 20 * rows]),
-        ..matrix(bytes)
-    };
-    let samples = Samples {
-        parameters: part(&grid),
-        places: part(&points),
-    };
     let (mut weights, mut scratch) = (Weights::EMPTY, [T::ZERO; 64 * 64]);
-    let done = if kernel {
-        weights.kernel(&KERNEL, &coordinates, &samples, &query, left_out, &mut scratch)
-    } else {
-        weights.diffuse(&PAPER, &coordinates, &samples, &query, left_out, &mut scratch)
-    };
+    let done = with_grid(jump_curve, rows, |coordinates, samples| {
+        if kernel {
+            weights.kernel(&KERNEL, coordinates, samples, &query, left_out, &mut scratch)
+        } else {
+            weights.diffuse(&PAPER, coordinates, samples, &query, left_out, &mut scratch)
+        }
+    });
     done.unwrap();
     weights
 }
 
 /// The derivatives of the kernel's weights at a query, those of all samples.
 fn derivatives<T: Real>(jump_curve: &Matrix<'_>, rows: usize, query: [f64; 2]) -> [[f64; 200]; 2] {
-    let limit = bytes([[0.5, 0.2], [1.25, 0.05]]);
-    let coordinates = channel(&matrix(&limit), jump_curve);
-    let grid: [_; 200] = core::array::from_fn(grid);
-    let (points, grid) = (transformed_samples(&coordinates, grid), bytes(grid));
-    let part = |bytes| Matrix {
-        rows: 20 * rows as u32,
-        blob: Blob::new(&matrix(bytes).blob.data[..8 * 20 * rows]),
-        ..matrix(bytes)
-    };
-    let samples = Samples {
-        parameters: part(&grid),
-        places: part(&points),
-    };
     let (mut weights, mut scratch) = (Weights::<T, N>::EMPTY, [T::ZERO; 64 * 64]);
     let query = Parameters::from(query.map(T::from_f64));
-    let found = weights.kernel_derivatives(&KERNEL, &coordinates, &samples, &query, &mut scratch);
+    let found = with_grid(jump_curve, rows, |coordinates, samples| {
+        weights.kernel_derivatives(&KERNEL, coordinates, samples, &query, &mut scratch)
+    });
     let [first, second, ..] = found.unwrap();
     [first, second].map(|values| {
         let mut all = [0.0; 200];

@@ -73,7 +73,7 @@ enum Command {
     Offline(Offline),
     /// Predict a capsule's motion with the reduced-order model
     Predict(predict::Options),
-    /// Membrane properties from an outline of a capsule, or from a few lengths
+    /// Membrane properties from an outline or a picture of a capsule, or from a few lengths
     Identify(Box<identify::Options>),
     /// Accuracy and speed of the reduced-order model
     #[command(subcommand)]

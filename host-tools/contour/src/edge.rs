@@ -3,7 +3,7 @@
 use crate::grid::{Grid, median, vertex};
 use crate::rings::area;
 
-/// What counts as the edge.
+/// Criterion for the edge of a capsule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
     /// Where the brightness changes most.
@@ -142,7 +142,7 @@ fn curvature(normals: &[[f64; 2]], i: usize) -> f64 {
 
 /// Variance of the Gaussian whose derivative a fall is, from three of its values two pixels apart.
 fn variance([before, at, after]: [f64; 3]) -> f64 {
-    /// What the differences over two pixels add.
+    /// Variance that the differences over two pixels add.
     const DIFFERENCE: f64 = 1.0 / 3.0;
     let fall = at.ln() - 0.5 * (before.max(1e-3 * at).ln() + after.max(1e-3 * at).ln());
     0.5 * 4.0 / fall.max(1e-3) - DIFFERENCE

@@ -7,7 +7,7 @@ pub enum PictureError {
     /// The bytes are no picture of a known format.
     #[error("it cannot be read as PNG, JPEG or TIFF: {reason}")]
     Unreadable {
-        /// What the decoder says.
+        /// Message of the decoder.
         reason: String,
     },
     /// Too few pixels for a capsule.

@@ -1,4 +1,4 @@
-//! What was found, drawn over the picture.
+//! Contours, walls and dents, drawn over the picture.
 
 use crate::picture::{Found, Picture};
 use image::{ImageFormat, Rgb, RgbImage};

@@ -23,16 +23,16 @@ pub struct Picture {
     mask: bool,
 }
 
-/// What is known of a picture.
+/// Options of the search in a picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
     /// The edge that the channel is parallel to; by default the one that the picture's ends tell.
     pub axis: Option<Axis>,
-    /// What counts as the edge; by default the half level for masks and the gradient for others.
+    /// Criterion for the edge; by default the half level for masks and the gradient for others.
     pub edge: Option<Edge>,
 }
 
-/// What a picture shows.
+/// The result of a search in a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// The capsules, along the channel.
@@ -43,7 +43,7 @@ pub struct Found {
     pub walls: Option<Walls>,
     /// The edge that the channel is parallel to.
     pub axis: Axis,
-    /// What counts as the edge of a capsule.
+    /// Criterion for the edge of a capsule that was used.
     pub edge: Edge,
 }
 

@@ -1,4 +1,4 @@
-//! What stands out from the background, as closed lines of one level.
+//! Closed level lines around the regions that stand out from the background.
 
 use crate::error::PictureError;
 use crate::grid::Grid;

@@ -13,7 +13,7 @@ use capsule_identify::{
 /// Room for the points of a contour.
 const MOST_POINTS: usize = 100_000;
 
-/// What an identification has found.
+/// The result of an identification.
 pub struct Solved {
     pub found: Identification,
     /// The model's shape there.

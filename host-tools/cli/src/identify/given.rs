@@ -1,4 +1,4 @@
-//! What is given of a measurement: options of the command, columns of a batch's table.
+//! Inputs of a measurement: options of the command, columns of a batch's table.
 
 use anyhow::{Result, bail, ensure};
 use capsule_contour::Axis;
@@ -33,7 +33,7 @@ pub struct Given {
     /// Which of several capsules in a picture: 1 is the leftmost, or the uppermost in a vertical channel
     #[arg(long, value_name = "NUMBER")]
     pub capsule: Option<usize>,
-    /// What counts as the edge in a picture [default: gradient, half-level in masks]
+    /// Criterion for the edge in a picture [default: gradient, half-level in masks]
     #[arg(long, value_enum)]
     edge: Option<EdgeName>,
     /// Cross-section of the channel: the model's is square
@@ -140,7 +140,7 @@ enum DirectionName {
 const SQUARE: f64 = 0.03;
 
 impl Given {
-    /// What cannot be done without and is not given.
+    /// The first required input that is missing.
     pub fn missing(&self) -> Option<&'static str> {
         let flow = &self.flow;
         let flows = [flow.velocity_mm_s, flow.flow_rate_ul_min, flow.capsule_velocity_mm_s];
@@ -207,7 +207,7 @@ impl Given {
         })
     }
 
-    /// What counts as the edge in a picture.
+    /// Criterion for the edge in a picture.
     pub fn edge(&self) -> Option<capsule_contour::Edge> {
         self.edge.map(|edge| match edge {
             EdgeName::Gradient => capsule_contour::Edge::Gradient,

@@ -15,7 +15,7 @@ pub struct Outline {
     pub direction: Direction,
     /// The outline's origin, in words.
     pub note: String,
-    /// What the picture shows, if it comes from one.
+    /// The picture that it comes from, and all that was found there.
     pub seen: Option<Seen>,
 }
 

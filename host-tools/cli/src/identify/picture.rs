@@ -23,7 +23,7 @@ pub struct Seen {
     pub summary: Summary,
 }
 
-/// What a picture has told, for the answer.
+/// Findings in a picture, for the answer.
 #[derive(Clone, Serialize)]
 pub struct Summary {
     edge: &'static str,

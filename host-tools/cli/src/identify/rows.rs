@@ -18,7 +18,7 @@ pub struct Row {
     pub file: String,
     /// Where the file is.
     pub path: Option<PathBuf>,
-    /// What is given, by the row and for all rows; an error names the cell.
+    /// Inputs of the measurement, from the row and for all rows; an error names the cell.
     pub given: Result<Given>,
     /// A checksum of all that the answer depends on, but for the contents of files.
     pub request: String,
