@@ -49,7 +49,8 @@ export class Client {
     // The program of the worker could not be loaded, or it broke: the next question starts another one.
     worker.addEventListener("error", (event) => {
       const words = event.message || "it could not be loaded; see whether the server still runs";
-      for (const [id, { settle }] of this.#waiting) settle({ id, error: `The program that identifies failed: ${words}` });
+      for (const [id, { settle }] of this.#waiting)
+        settle({ id, error: `The program that identifies failed: ${words}` });
       this.#waiting.clear();
       worker.terminate();
       this.#worker = undefined;

@@ -1,13 +1,13 @@
 import type { Root } from "../app/dom";
-import type { Measured } from "../identify/measured";
 import type { Scale } from "../app/schema";
-import type { Capsule, Need } from "../model/capsule";
+import type { Measured } from "../identify/measured";
 import { writtenMisfit } from "../identify/misfit-grid";
+import type { Capsule, Need } from "../model/capsule";
 import { measure } from "../model/quantities";
 import type { Unit } from "../model/units";
+import { drawBest, drawRegion } from "./fit-drawing";
 import { AXES, between, clamp, holds, type Point, rounded, type Span, short } from "./map-geometry";
 import type { Contour } from "./map-layer";
-import { drawBest, drawRegion } from "./fit-drawing";
 import { hatch, label, onResize, set, svg, ticks, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 

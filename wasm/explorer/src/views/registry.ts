@@ -33,13 +33,7 @@ export interface Parts {
 }
 
 /** Makes the parts of an explorer. `redraw` asks for another frame; `open` takes a file of the user's. */
-export function makeParts(
-  root: Root,
-  store: Store,
-  jobs: Jobs,
-  redraw: () => void,
-  open: (file: File) => void,
-): Parts {
+export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => void, open: (file: File) => void): Parts {
   const measured = new Measured(redraw);
   const courses = new Courses(jobs, redraw);
   const onSection = (section: number) => store.set({ section: Math.min(5, Math.max(-5, section)) });
