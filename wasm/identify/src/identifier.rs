@@ -70,6 +70,16 @@ struct Identified<'a> {
     outline: Vec<[f64; 2]>,
     levels: [f64; 2],
     around: [[f64; 2]; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<Placed>,
+}
+
+/// A picture in the capsule's frame, in l: its upper left corner, and the ways of a pixel along a row and a column.
+#[derive(Serialize)]
+struct Placed {
+    size: [u32; 2],
+    corner: [f64; 2],
+    ways: [[f64; 2]; 2],
 }
 
 impl Identifier {
@@ -139,6 +149,19 @@ fn drawn<'a>(model: &Model<'_>, outline: &Outline, solved: &'a Solved) -> Identi
     };
     let [ca, confinement] = found.deviations.map(|deviation| AROUND * deviation);
     let value = found.capillary_number.value;
+    let picture = outline.seen.as_ref().map(|seen| {
+        let pixel = seen.summary.pixel_um;
+        let corner = found.frame.place([0.0; 2]);
+        let ways = [[pixel, 0.0], [0.0, pixel]].map(|at| {
+            let [x, r] = found.frame.place(at);
+            [x - corner[0], r - corner[1]]
+        });
+        Placed {
+            size: seen.picture.size(),
+            corner,
+            ways,
+        }
+    });
     Identified {
         answer,
         contour: contour.map(|point| found.frame.place(*point)).collect(),
@@ -152,5 +175,6 @@ fn drawn<'a>(model: &Model<'_>, outline: &Outline, solved: &'a Solved) -> Identi
                 found.confinement.value + confinement,
             ),
         ],
+        picture,
     }
 }

@@ -1,5 +1,6 @@
 import type { OutlineFile } from "../identify/measured";
 import { ModelError } from "../model/load";
+import { fromBase64, toBase64 } from "./base64";
 
 const FORMAT = "capsule-explorer-session";
 
@@ -45,12 +46,4 @@ function isSession(value: unknown): value is Session {
   const { name, base64 } = outline ?? { name: "", base64: "" };
   const isText = [link, name, base64].every((item) => typeof item === "string");
   return format === FORMAT && isText;
-}
-
-function toBase64(bytes: Uint8Array): string {
-  return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
-}
-
-function fromBase64(text: string): Uint8Array {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }

@@ -1,3 +1,4 @@
+import { toBase64 } from "../app/base64";
 import type { State } from "../app/schema";
 import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
@@ -30,10 +31,12 @@ export class Measured implements ViewPart {
   readonly #onChange: () => void;
   readonly #client = new Client();
   #file: OutlineFile | undefined;
+  #address: string | undefined;
   #found: Found | undefined;
   #problem = "";
   #regions: readonly Contour[] = [];
   #layer: readonly Contour[] = [];
+  #share = 0;
   readonly #misfits = new Map<string, number>();
   readonly #asking = new Set<string>();
   #key = "";
@@ -51,9 +54,15 @@ export class Measured implements ViewPart {
     return this.#file;
   }
 
+  /** The picture as an address; undefined where the file is a text, or a picture that browsers do not show. */
+  get address(): string | undefined {
+    return this.#address;
+  }
+
   /** Takes a file in place of the one before; undefined removes it. */
   take(file: OutlineFile | undefined): void {
     this.#file = file;
+    this.#address = file && addressOf(file.bytes);
     this.#key = "";
     this.#clear();
     this.#onChange();
@@ -76,6 +85,11 @@ export class Measured implements ViewPart {
   /** The regions that hold the true capsule with 68 and 95 %, as far as they are known. */
   get regions(): readonly Contour[] {
     return this.#regions;
+  }
+
+  /** How much of the misfit over the domain is known: 1 is all. */
+  get share(): number {
+    return this.#share;
   }
 
   /** The misfit over the domain, as far as it is known. */
@@ -112,6 +126,7 @@ export class Measured implements ViewPart {
     this.#problem = "";
     this.#regions = [];
     this.#layer = [];
+    this.#share = 0;
     this.#misfits.clear();
     this.#asking.clear();
   }
@@ -139,6 +154,7 @@ export class Measured implements ViewPart {
       await this.#fill(far, isLate, (row) => {
         if (row % SHOWN_ROWS !== 0) return;
         this.#layer = far.above();
+        this.#share = row / far.rows;
         this.#onChange();
       });
     } catch (error) {
@@ -168,6 +184,12 @@ export class Measured implements ViewPart {
     this.#misfits.set(key, root(rise));
     this.#onChange();
   }
+}
+
+/** A PNG or a JPEG as an address, told by its first byte. */
+function addressOf(bytes: Uint8Array): string | undefined {
+  const type = { 137: "png", 255: "jpeg" }[bytes[0] ?? 0];
+  return type && `data:image/${type};base64,${toBase64(bytes)}`;
 }
 
 /** What the state says of the outline; in words, what it lacks. */

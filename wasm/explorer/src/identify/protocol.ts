@@ -56,6 +56,12 @@ export interface Found {
   readonly levels: readonly [number, number];
   /** Ranges of Ca and of a/l that hold these regions. */
   readonly around: readonly [readonly [number, number], readonly [number, number]];
+  /** Of a picture, in l in the same frame: its upper left corner, and the ways of a pixel along a row and a column. */
+  readonly picture?: {
+    readonly size: readonly [number, number];
+    readonly corner: readonly [number, number];
+    readonly ways: readonly [readonly [number, number], readonly [number, number]];
+  };
 }
 
 /** What the worker is asked for. */

@@ -68,13 +68,14 @@ export class MapChoices implements ViewPart {
   }
 
   #ofMisfit(): string {
-    return this.#measured.found === undefined
-      ? "No outline is identified yet"
-      : `Contours: misfit of the measured outline, in ${MISFIT_UNIT}; regions of 68 and 95 %`;
+    const { found, share } = this.#measured;
+    if (found === undefined) return "No outline is identified yet";
+    const known = share === 1 ? "" : `, ${Math.round(100 * share)} % computed`;
+    return `Contours: misfit of the measured outline, in ${MISFIT_UNIT}${known}; regions of 68 and 95 %`;
   }
 }
 
 function layerName(layer: Layer): string {
   if (layer === "none") return "No contours";
-  return layer === "misfit" ? "Misfit of the measured outline" : PRESENTATION[layer].name;
+  return layer === "misfit" ? "Misfit" : PRESENTATION[layer].name;
 }

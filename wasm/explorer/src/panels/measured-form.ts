@@ -17,7 +17,7 @@ const rate = (halfWidth: number, velocity: number) => 60e-6 * (2 * halfWidth) **
 const NUMBERS: readonly Field[] = [
   {
     id: "half-width",
-    name: "Half the channel’s side ℓ, µm",
+    name: "Half channel width ℓ, µm",
     empty: "",
     read: ({ halfWidth }) => halfWidth,
     write: (halfWidth) => ({ halfWidth }),
@@ -38,7 +38,7 @@ const NUMBERS: readonly Field[] = [
   },
   {
     id: "liquid-viscosity",
-    name: "Viscosity of the liquid, Pa s",
+    name: "Viscosity, Pa s",
     empty: "",
     read: ({ viscosity }) => viscosity,
     write: (viscosity) => ({ viscosity }),
@@ -52,7 +52,7 @@ const NUMBERS: readonly Field[] = [
   },
   {
     id: "nth-capsule",
-    name: "Capsule in a picture, number",
+    name: "Number of the capsule",
     empty: "the only one",
     read: ({ nth }) => nth,
     write: (value) => ({ nth: Math.round(value) }),
@@ -73,21 +73,21 @@ const OBSERVABLE: Choice<"observable"> = {
   key: "observable",
   name: "The outline is",
   among: OBSERVABLES,
-  names: ["the section z = 0", "the silhouette"],
+  names: ["section z = 0", "silhouette"],
 };
 const UNIT: Choice<"outlineUnit"> = {
   id: "outline-unit",
   key: "outlineUnit",
   name: "Unit of a text",
   among: OUTLINE_UNITS,
-  names: ["as its headings say", "µm", "pixels"],
+  names: ["as it says", "µm", "pixels"],
 };
 const FLOW: Choice<"flow"> = {
   id: "outline-flow",
   key: "flow",
   name: "Direction of the flow",
   among: FLOWS,
-  names: ["found", "to the right", "to the left", "up", "down"],
+  names: ["found by the fit", "to the right", "to the left", "up", "down"],
 };
 
 /** What is said of a measured outline: the file, the channel, the flow, the liquid. */

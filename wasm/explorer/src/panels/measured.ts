@@ -97,13 +97,13 @@ export class MeasuredView implements ViewPart {
   #show({ ca, confinement, gs_n_per_m: modulus }: Answer): void {
     const { state } = this.#store;
     this.#store.set({
-      ca,
-      confinement,
+      ca: rounded(ca),
+      confinement: rounded(confinement),
       t: state.end,
       method: "direct",
       extrapolate: false,
       playing: false,
-      dimensions: [2 * state.halfWidth, 1e3 * state.viscosity, 1e3 * modulus],
+      dimensions: [2 * state.halfWidth, 1e3 * state.viscosity, 1e3 * modulus].map(rounded),
     });
   }
 
@@ -119,6 +119,9 @@ export class MeasuredView implements ViewPart {
     );
   }
 }
+
+/** Six digits: more than anybody measures. */
+const rounded = (value: number) => Number(value.toPrecision(6));
 
 const labelled = (format: string, run: () => void) => {
   const made = button(format, run);

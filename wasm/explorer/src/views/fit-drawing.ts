@@ -18,11 +18,17 @@ export class FitDrawing {
     const drawing = (name: string) => svg("svg", { role: "img", "aria-label": name }, stage);
     this.#fit = drawing("Measured points and the fitted outline");
     this.#regions = drawing("Regions of Ca and a/l that hold the true capsule with 68 and 95 per cent");
-    onResize(stage, () => this.draw(...this.#drawn));
+    onResize(stage, () => this.#draw());
   }
 
   draw(found: Found | undefined, regions: readonly Contour[]): void {
+    if (this.#drawn[0] === found && this.#drawn[1] === regions) return;
     this.#drawn = [found, regions];
+    this.#draw();
+  }
+
+  #draw(): void {
+    const [found, regions] = this.#drawn;
     this.#drawFit(found);
     this.#drawRegions(found, regions);
   }

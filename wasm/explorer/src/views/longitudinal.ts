@@ -24,6 +24,7 @@ export class Longitudinal implements ViewPart {
   readonly #band: SVGPathElement;
   readonly #membrane: SVGPathElement;
   readonly #points: SVGPathElement;
+  readonly #picture: SVGGElement;
   readonly #plane: SVGLineElement;
   readonly #ticks: SVGGElement;
   readonly #axis: SVGGElement;
@@ -60,6 +61,7 @@ export class Longitudinal implements ViewPart {
     for (let i = 0; i < 2; i++) {
       this.#walls.push(svg("rect", { fill, class: "outside" }, plot), svg("line", { class: "wall" }, plot));
     }
+    this.#picture = svg("g", {}, plot);
     this.#shapes = svg("g", {}, plot);
     this.#initial = svg("path", { class: "initial" }, plot);
     this.#band = svg("path", { class: "band" }, plot);
@@ -173,19 +175,35 @@ export class Longitudinal implements ViewPart {
     this.#drawTicks(visible, context, laboratory);
   }
 
-  /** The measured outline, with the centroid that it was fitted to at a place of the drawing. */
+  /** The measured outline and its picture, with the centroid that it was fitted to at a place of the drawing. */
   #drawMeasured(x: number): void {
     if (this.#measured === undefined) return;
-    const { found } = this.#measured;
+    const { found, address } = this.#measured;
     this.#key.hidden = found === undefined;
     if (found !== this.#traced[0] || this.#scale !== this.#traced[1]) {
       this.#traced = [found, this.#scale];
       const points = found?.contour.flat() ?? [];
-      const toX = (along: number) => along * this.#scale;
-      set(this.#points, { d: path(points, toX, (_, r) => -r * this.#scale) });
+      set(this.#points, {
+        d: path(
+          points,
+          (along) => along * this.#scale,
+          (_, r) => -r * this.#scale,
+        ),
+      });
+      this.#picture.replaceChildren();
+      if (found?.picture !== undefined && address !== undefined) this.#place(found.picture, address);
     }
     const away = x === AWAY ? -1e4 : x;
-    this.#points.setAttribute("transform", `translate(${away.toFixed(2)} ${this.#toY(0).toFixed(2)})`);
+    for (const part of [this.#points, this.#picture]) {
+      part.setAttribute("transform", `translate(${away.toFixed(2)} ${this.#toY(0).toFixed(2)})`);
+    }
+  }
+
+  /** Lays a picture over the section: its pixels where the fit has them. */
+  #place({ size: [width, height], corner, ways }: NonNullable<Found["picture"]>, href: string): void {
+    const pixels = [...ways, corner].flatMap(([x, r]) => [x * this.#scale, -r * this.#scale]);
+    const image = svg("image", { href, class: "measured-picture" }, this.#picture);
+    set(image, { width, height, preserveAspectRatio: "none", transform: `matrix(${pixels.join(" ")})` });
   }
 
   /** Ticks at whole x. They move with the window, and are made anew when a whole x enters or leaves. */
