@@ -178,3 +178,129 @@ fn drawn<'a>(model: &Model<'_>, outline: &Outline, solved: &'a Solved) -> Identi
         picture,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use capsule_identify::{Contour, Direction, Flow, Lengths, Measurement, Point, Priors, Setup, identify};
+    use serde_json::Value;
+
+    static FILE: &[u8] = include_bytes!("../../../models/capsule.crom");
+    const HALF_WIDTH_UM: f64 = 25.0;
+
+    /// The outline of a capsule of the model, both halves, in um.
+    fn points(model: &Model<'_>, [ca, confinement]: [f64; 2]) -> Vec<[f64; 2]> {
+        let mut bench = Bench::new(model);
+        let (mut shapes, _) = bench.shapes(model, Observable::Midplane);
+        let shape = shapes.at([ca.ln(), confinement]).unwrap();
+        let half = shape.curve.points();
+        let mirrored = half[1..half.len() - 1].iter().rev().map(|[x, r]| [*x, -r]);
+        let all = half.iter().copied().chain(mirrored);
+        all.map(|point| point.map(|at| 60.0 + HALF_WIDTH_UM * at)).collect()
+    }
+
+    fn text(points: &[[f64; 2]]) -> String {
+        let lines: Vec<String> = points.iter().map(|[x, y]| format!("{x},{y}")).collect();
+        format!("x_um,y_um\n{}\n", lines.join("\n"))
+    }
+
+    fn said(change: &[(&str, Value)]) -> String {
+        let mut said = serde_json::json!({
+            "half_width_um": HALF_WIDTH_UM, "mean_velocity_mm_s": 5.0, "viscosity_pa_s": 0.8,
+            "observable": "midplane", "unit": null, "pixel_um": null, "flow": "found", "capsule": null,
+        });
+        for (key, value) in change {
+            said[key] = value.clone();
+        }
+        said.to_string()
+    }
+
+    #[test]
+    fn answers_are_those_of_the_identification() {
+        let model = Model::open(FILE).unwrap();
+        let points = points(&model, [0.06, 0.95]);
+        let mut identifier = Identifier::open(FILE.to_vec()).unwrap();
+        let found = identifier.identify("a.csv", text(&points).as_bytes(), &said(&[]));
+        let found: Value = serde_json::from_str(&found.unwrap()).unwrap();
+
+        let mut bench = Bench::new(&model);
+        let (mut shapes, _) = bench.shapes(&model, Observable::Midplane);
+        let grid = Grid::new(&mut shapes).unwrap();
+        let measurement = Measurement {
+            setup: Setup {
+                half_width_um: HALF_WIDTH_UM,
+                flow: Flow::MeanVelocity(5e-3),
+                viscosity_pa_s: 0.8,
+            },
+            contour: Some(Contour {
+                points_um: &points,
+                direction: Direction::Found,
+                noise_um: None,
+            }),
+            lengths: Lengths::default(),
+            priors: Priors::of_pixel(HALF_WIDTH_UM / 100.0),
+        };
+        let mut room = vec![Point::default(); points.len()];
+        let expected = identify(&mut shapes, &grid, &measurement, &mut room).unwrap();
+        let answer = &found["answer"];
+        assert_eq!(answer["ca"].as_f64(), Some(expected.capillary_number.value));
+        assert_eq!(
+            answer["gs_n_per_m_95"][1].as_f64(),
+            Some(expected.shear_modulus_n_per_m.interval_95.high)
+        );
+        assert_eq!(answer["verdict"], expected.verdict.name());
+        assert_eq!(answer["model_digest"], format!("{:08x}", model.digest()));
+        // Measured and fitted outline lie on each other in the capsule's frame.
+        let drawn = |name: &str| -> Vec<[f64; 2]> { serde_json::from_value(found[name].clone()).unwrap() };
+        let (contour, outline) = (drawn("contour"), drawn("outline"));
+        assert_eq!(contour.len(), points.len());
+        for (measured, fitted) in contour.iter().zip(&outline) {
+            let apart = (measured[0] - fitted[0]).hypot(measured[1] - fitted[1]);
+            assert!(apart < 3e-3, "{measured:?} {fitted:?}");
+        }
+        // The regions lie in the ranges around the best fit, and nothing is asked for outside the domain.
+        let around: [[f64; 2]; 2] = serde_json::from_value(found["around"].clone()).unwrap();
+        let levels: [f64; 2] = serde_json::from_value(found["levels"].clone()).unwrap();
+        let best = [expected.capillary_number.value, expected.confinement.value];
+        for end in 0..2 {
+            let places = [
+                around[0][end],
+                best[1],
+                best[0],
+                around[1][end],
+                best[0],
+                best[1],
+                5.0,
+                0.9,
+            ];
+            let [ca, confinement, at_best, outside] = identifier.misfit(&places).unwrap()[..] else {
+                panic!("four places, four rises");
+            };
+            assert!(
+                ca > levels[1] && confinement > levels[1] && at_best < 0.1,
+                "{ca} {confinement} {at_best}"
+            );
+            assert!(levels[0] < levels[1] && outside.is_nan());
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        assert!(Identifier::open(vec![0; 64]).is_err());
+        let model = Model::open(FILE).unwrap();
+        let text = text(&points(&model, [0.06, 0.95]));
+        let mut identifier = Identifier::open(FILE.to_vec()).unwrap();
+        let mut refused = |name: &str, text: &str, change: &[(&str, Value)]| {
+            let error = identifier.identify(name, text.as_bytes(), &said(change)).unwrap_err();
+            // Without an answer there is no misfit.
+            assert!(identifier.misfit(&[0.1, 0.9]).is_err());
+            error.to_string()
+        };
+        assert!(refused("a.csv", "1,2\n3,4\n", &[("unit", "um".into())]).contains("at least 12"));
+        assert!(refused("a.csv", &text, &[("unit", "px".into())]).contains("headings say um"));
+        assert!(refused("a.png", &text, &[]).contains("PNG, JPEG or TIFF"));
+        assert!(refused("a.csv", &text, &[("half_width_um", 12.0.into())]).contains("wide"));
+        assert!(refused("a.csv", &text, &[("viscosity_pa_s", (-1.0).into())]).contains("viscosity"));
+        assert!(refused("a.csv", &text, &[("flow", "north".into())]).contains("north"));
+    }
+}

@@ -39,6 +39,8 @@ export interface Answer {
   readonly degrees_of_freedom: number;
   readonly flow: string;
   readonly contour: string;
+  /** There where the outline comes from a picture. */
+  readonly picture?: object;
   readonly alternative?: { readonly ca: number; readonly confinement: number; readonly rise_of_chi_squared: number };
   readonly warnings?: readonly string[];
   readonly model_digest: string;

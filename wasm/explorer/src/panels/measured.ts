@@ -13,6 +13,9 @@ import { MeasuredForm } from "./measured-form";
 
 const USE = "Choose a text of points or a picture (PNG, JPEG, TIFF), drop it anywhere on the page, or paste it.";
 
+const SQUARE =
+  "A picture does not tell a square channel from a round tube: in a tube the numbers would be wrong.";
+
 /** The view of a measured outline: its file and its sizes, the capsule that fits it best, and how sure that is. */
 export class MeasuredView implements ViewPart {
   readonly needs: readonly Need[] = ["channel", "outlines"];
@@ -78,6 +81,7 @@ export class MeasuredView implements ViewPart {
     for (const warning of answer.warnings ?? []) {
       parts.push(html("p", { className: "problem", textContent: `Warning: ${warning}.` }));
     }
+    if (answer.picture !== undefined) parts.push(html("p", { className: "errors", textContent: SQUARE }));
     const name = (extension: string) => `capsule-identified-${answer.model_digest}.${extension}`;
     parts.push(
       html(
