@@ -64,9 +64,11 @@ describe("a contour", () => {
   onPage("that is dropped gives the command's answer", VIEW, async (page) => {
     await drop(page, "outline.csv", TEXT);
     const verdict = page.locator("#measured-verdict");
-    await page.waitForFunction(() => document.querySelector("#measured-verdict").textContent.includes("half width"));
+    await page.waitForFunction(() =>
+      document.querySelector("#measured-verdict").textContent.includes("half the channel"),
+    );
     // By the labels, as a person and a screen reader find the fields.
-    await page.getByLabel("Half channel width ℓ, µm").fill("25");
+    await page.getByLabel("Half channel side ℓ, µm").fill("25");
     await page.getByLabel("Flow rate 4ℓ²V, µl/min").fill("0.75");
     await settled(page);
     assert.equal(await page.getByLabel("Mean velocity V, mm/s").inputValue(), "5");
@@ -191,8 +193,13 @@ describe("a file that holds no outline", () => {
 test("a model of something else takes no outline", async () => {
   const model = otherModel(mkdtempSync(join(folder, "other-")));
   const { page, close } = await open(VIEW + SETUP);
+  await drop(page, "outline.csv", TEXT);
+  await identified(page);
   await page.setInputFiles("#model-file", model);
   await page.waitForFunction(() => document.body.dataset.model === "other");
+  await settled(page);
+  assert.equal(await page.isVisible("#measured-key"), false, "the answer of the other model is gone");
+  assert.equal(await page.isVisible("[data-toggles=measured]"), false);
   await drop(page, "outline.csv", TEXT);
   await page.waitForFunction(() => document.body.dataset.status === "failed");
   assert.match(await page.innerText("#failure"), /takes no outlines: it is not one of capsules in the channel/);

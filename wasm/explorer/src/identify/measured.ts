@@ -108,13 +108,13 @@ export class Measured implements ViewPart {
   }
 
   draw(_: readonly Trace[], { capsule, state }: Context): void {
-    const file = this.#file;
-    if (file === undefined || !capsule.has("channel")) return;
+    const file = capsule.has("channel") ? this.#file : undefined;
     const said = saidOf(state);
-    const key = JSON.stringify([capsule.model.digest, said]);
+    const key = file === undefined ? "" : JSON.stringify([capsule.model.digest, said]);
     if (key === this.#key) return;
     this.#key = key;
     this.#clear();
+    if (file === undefined) return;
     if (typeof said === "string") this.#problem = said;
     else this.#resting = window.setTimeout(() => this.#identify(capsule, file, said), REST_MS);
   }
@@ -195,7 +195,7 @@ function addressOf(bytes: Uint8Array): string | undefined {
 /** What the state says of the outline; in words, what it lacks. */
 function saidOf(state: State): Said | string {
   const needed = [
-    ["the half width of the channel", state.halfWidth],
+    ["half the channel’s side", state.halfWidth],
     ["the mean velocity or the flow rate", state.meanVelocity],
     ["the viscosity", state.viscosity],
   ] as const;

@@ -17,7 +17,7 @@ const rate = (halfWidth: number, velocity: number) => 60e-6 * (2 * halfWidth) **
 const NUMBERS: readonly Field[] = [
   {
     id: "half-width",
-    name: "Half channel width ℓ, µm",
+    name: "Half channel side ℓ, µm",
     empty: "",
     read: ({ halfWidth }) => halfWidth,
     write: (halfWidth) => ({ halfWidth }),

@@ -13,8 +13,7 @@ import { MeasuredForm } from "./measured-form";
 
 const USE = "Choose a text of points or a picture (PNG, JPEG, TIFF), drop it anywhere on the page, or paste it.";
 
-const SQUARE =
-  "A picture does not tell a square channel from a round tube: in a tube the numbers would be wrong.";
+const SQUARE = "A picture does not tell a square channel from a round tube: in a tube the numbers would be wrong.";
 
 /** The view of a measured outline: its file and its sizes, the capsule that fits it best, and how sure that is. */
 export class MeasuredView implements ViewPart {
@@ -162,7 +161,7 @@ function table(answer: Answer): HTMLElement {
     );
   };
   const milli = ([low, high]: Ends): Ends => [low === null ? null : 1e3 * low, high === null ? null : 1e3 * high];
-  const heads = ["", "value", "68 %", "95 %"].map((textContent) => html("th", { scope: "col", textContent }));
+  const heads = ["quantity", "value", "68 %", "95 %"].map((textContent) => html("th", { scope: "col", textContent }));
   return html(
     "table",
     {},
