@@ -96,7 +96,7 @@ export class Explorer {
   async #try(task: () => Promise<void>): Promise<void> {
     try {
       await task();
-      this.#resume();
+      if (this.workbench.capsule !== undefined) this.#resume();
     } catch (error) {
       this.#fail(error);
     }
