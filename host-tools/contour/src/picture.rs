@@ -69,13 +69,7 @@ impl Picture {
         let decoded = reader.map_err(|error| unreadable(error.to_string()))?.decode();
         let decoded = decoded.map_err(|error| unreadable(error.to_string()))?.into_luma16();
         let (width, height) = decoded.dimensions();
-        if width.min(height) < 2 * LEAST {
-            return Err(PictureError::TooSmall {
-                width,
-                height,
-                least: 2 * LEAST,
-            });
-        }
+        large_enough(width, height)?;
         let first = decoded.as_raw()[0];
         let mut others = decoded.as_raw().iter().filter(|value| **value != first);
         let mask = others.next().is_some_and(|second| others.all(|value| value == second));
@@ -83,6 +77,16 @@ impl Picture {
             image::Luma([f32::from(decoded.get_pixel(x, y).0[0]) / f32::from(u16::MAX)])
         });
         Ok(Self { grey, mask })
+    }
+
+    /// A mask: white where `inside` says so, by column and row.
+    ///
+    /// # Errors
+    /// Too few pixels.
+    pub fn mask(width: u32, height: u32, inside: impl Fn(u32, u32) -> bool) -> Result<Self, PictureError> {
+        large_enough(width, height)?;
+        let grey = ImageBuffer::from_fn(width, height, |x, y| image::Luma([f32::from(u8::from(inside(x, y)))]));
+        Ok(Self { grey, mask: true })
     }
 
     /// Whether bytes begin like those of a picture.
@@ -131,6 +135,15 @@ impl Picture {
         found.capsules.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         Ok(found)
     }
+}
+
+/// An error for a picture in which no capsule has room.
+fn large_enough(width: u32, height: u32) -> Result<(), PictureError> {
+    let least = 2 * LEAST;
+    if width.min(height) < least {
+        return Err(PictureError::TooSmall { width, height, least });
+    }
+    Ok(())
 }
 
 /// The edge that a channel is parallel to: along it, both ends show the same walls.

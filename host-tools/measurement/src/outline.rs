@@ -67,7 +67,7 @@ impl Outline {
     /// A file that holds no outline, or lacks its scale.
     pub fn read(name: &Path, bytes: &[u8], said: &Said, warnings: &mut Vec<String>) -> Result<Self, MeasurementError> {
         if is_picture(name, bytes) {
-            return Seen::find(bytes, said, warnings).map(Self::from);
+            return Seen::find(Picture::read(bytes)?, said, warnings).map(Self::from);
         }
         let contour = text::read(bytes)?;
         Ok(Self {

@@ -76,9 +76,11 @@ pub(crate) fn turned(direction: Direction) -> Direction {
 }
 
 impl Seen {
-    /// Finds the capsule in a picture.
-    pub(crate) fn find(bytes: &[u8], said: &Said, warnings: &mut Vec<String>) -> Result<Self, MeasurementError> {
-        let picture = Picture::read(bytes)?;
+    /// Finds the capsule in a picture. `warnings` gets what is to be known of it, in words.
+    ///
+    /// # Errors
+    /// A picture without a capsule, or without a scale.
+    pub fn find(picture: Picture, said: &Said, warnings: &mut Vec<String>) -> Result<Self, MeasurementError> {
         let settings = Settings {
             axis: match said.direction {
                 Direction::Right | Direction::Left => Some(Axis::Horizontal),

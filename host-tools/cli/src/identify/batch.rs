@@ -20,7 +20,8 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
-    /// Table with a heading: one row a capsule; a column is an option, such as half_width_um, or "file" or "id"
+    /// Table with a heading: one row a capsule; a column is an option, such as half_width_um, or "file" or "id". Or an
+    /// RT-DC file, each of whose events is a row
     #[arg(value_name = "TABLE")]
     table: PathBuf,
     /// The answers, a row each (CSV); rows that it holds already are skipped
@@ -46,6 +47,8 @@ Examples:
   capsule-rom identify batch table.csv --out results.csv
   capsule-rom identify batch table.csv --out results.jsonl --json --plot histograms.svg
   capsule-rom identify batch files.csv --out results.csv --half-width-um 25 -o midplane
+  capsule-rom identify batch events.rtdc --out results.csv --pixel-um 0.34 --half-width-um 10 \\
+      --flow-rate-ul-min 2.4 --viscosity-pa-s 0.006 -o silhouette --channel square
 
 The options hold for all rows; a cell that is not empty says otherwise for its row. Paths are relative to the table. \
 The deviation of a length is in a column of its own, such as axial_length_um_deviation.

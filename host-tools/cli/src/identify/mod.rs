@@ -8,6 +8,7 @@ mod plot;
 mod population;
 mod records;
 mod rows;
+mod rtdc;
 mod sequence;
 
 use crate::model::ModelFile;

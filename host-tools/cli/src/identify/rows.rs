@@ -1,6 +1,7 @@
 //! The rows of a batch's table. A column is an option of `capsule-rom identify` without its dashes.
 
 use super::given::Given;
+use super::rtdc::{self, Masks};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, FromArgMatches};
 use std::path::{Path, PathBuf};
@@ -26,6 +27,9 @@ pub struct Row {
 
 /// Reads a table. What `common` gives holds where a row does not say otherwise. `against` is the model's digest.
 pub fn read(table: &Path, common: &Given, against: &str, warn: impl Fn(&str)) -> Result<Vec<Row>> {
+    if rtdc::is_one(table) {
+        return events(table, common, against);
+    }
     let text = std::fs::read(table).with_context(|| format!("could not read {}", table.display()))?;
     let first = text.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let separators = [b'\t', b';', b','];
@@ -83,20 +87,44 @@ pub fn read(table: &Path, common: &Given, against: &str, warn: impl Fn(&str)) ->
         let given = given(&command, common, &arguments, folder);
         let file = cell(FILE).unwrap_or_default().to_owned();
         let number = index + 1;
-        let request = format!("{number} {file} {given:?} {against}");
         rows.push(Row {
             number,
             id: cell(ID).unwrap_or_default().to_owned(),
             path: (!file.is_empty()).then(|| folder.join(&file)),
+            request: request(number, &file, &given, against),
             file,
             given,
-            request: format!("{:016x}", CHECKSUM.checksum(request.as_bytes())),
         });
     }
     if rows.is_empty() {
         bail!("{}: it has no rows below its heading", table.display());
     }
     Ok(rows)
+}
+
+/// The events of an RT-DC file, each with the options that hold for all.
+fn events(path: &Path, common: &Given, against: &str) -> Result<Vec<Row>> {
+    let file = path.display().to_string();
+    let rows = (1..=Masks::open(path)?.count()).map(|number| {
+        let mut given = common.clone();
+        given.capsule = Some(number);
+        let given = Ok(given);
+        Row {
+            number,
+            id: number.to_string(),
+            path: Some(path.to_owned()),
+            request: request(number, &file, &given, against),
+            file: file.clone(),
+            given,
+        }
+    });
+    Ok(rows.collect())
+}
+
+/// The checksum of a row.
+fn request(number: usize, file: &str, given: &Result<Given>, against: &str) -> String {
+    let request = format!("{number} {file} {given:?} {against}");
+    format!("{:016x}", CHECKSUM.checksum(request.as_bytes()))
 }
 
 const CHECKSUM: crc::Crc<u64> = crc::Crc::<u64>::new(&crc::CRC_64_XZ);

@@ -37,8 +37,10 @@ pub struct Series {
     pub name: &'static str,
     /// Pixels per l.
     pub pixels: f64,
-    /// Number of trials.
+    /// Number of trials that were answered.
     pub trials: usize,
+    /// Trials that were refused with an error, such as a contour that is wider than the channel.
+    pub refused: usize,
     /// Errors of Ca, per cent: median, 90 % quantile, greatest.
     pub ca_percent: [f64; 3],
     /// Errors of a.
@@ -111,7 +113,7 @@ pub fn identify(
         for plan in plans() {
             progress("identify", all.len(), steps);
             let mut random = Random(SEED);
-            let mut trials = Vec::new();
+            let (mut trials, mut refused) = (Vec::new(), 0);
             for _ in 0..if plan.noise > 0.0 { repeats } else { 1 } {
                 for truth in &truths {
                     let trial = match plan.from {
@@ -136,13 +138,17 @@ pub fn identify(
                             };
                             let known = plan.known(&drawing);
                             let drawn = match plan.from {
-                                From::Picture => picture(&outline, &drawing, &mut random)?,
-                                _ => contour(&outline, &drawing, &mut random),
+                                From::Picture => picture(&outline, &drawing, &mut random),
+                                _ => Ok(contour(&outline, &drawing, &mut random)),
                             };
-                            by_contour(&mut shapes, &grid, points, parameters, &drawn, &known)
+                            drawn.and_then(|drawn| by_contour(&mut shapes, &grid, points, parameters, &drawn, &known))
                         }
                     };
-                    trials.push(trial?);
+                    match trial {
+                        Ok(trial) => trials.push(trial),
+                        Err(StudyError::Identify(_) | StudyError::Picture(_)) => refused += 1,
+                        Err(error) => return Err(error),
+                    }
                 }
             }
             let observable = match observable {
@@ -150,7 +156,10 @@ pub fn identify(
                 Observable::Silhouette => "silhouette",
             };
             rows.extend(trials.iter().map(|trial| row(observable, &plan, trial)));
-            all.push(Series::new(model, observable, &plan, &trials));
+            all.push(Series {
+                refused,
+                ..Series::new(model, observable, &plan, &trials)
+            });
         }
     }
     progress("identify", steps, steps);
@@ -324,6 +333,7 @@ impl Series {
             name: plan.name,
             pixels: plan.pixels,
             trials: trials.len(),
+            refused: 0,
             ca_percent: errors(&mut trials.iter(), 0),
             radius_percent: errors(&mut trials.iter(), 1),
             away_ca_percent: errors(&mut trials.iter().filter(away), 0),
