@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, describe, test } from "node:test";
 import { drop, identified, identify, picture, pointsText, SETUP, section } from "./outlines.mjs";
-import { explorer, otherModel, settled } from "./support.mjs";
+import { explorer, figures, otherModel, settled } from "./support.mjs";
 
 const { open, onPage } = explorer();
 
@@ -158,34 +158,31 @@ describe("a picture", () => {
 });
 
 describe("a file that holds no outline", () => {
-  const few = TEXT.split("\n").slice(0, 6).join("\n");
-  for (const [what, name, content, words] of [
-    ["too few points", "few.csv", few, /5 points: at least 12 are needed/],
-    ["pixels of unknown size", "px.csv", TEXT.replace("x_um,y_um", "x_px,y_px"), /in pixels: give the size of a pixel/],
-    ["no picture", "noise.png", "no picture", /cannot be read as PNG, JPEG or TIFF/],
-    ["a word among numbers", "word.csv", `${TEXT}nine,4\n`, /"nine" is no number/],
-    [
-      "a wider capsule than the channel",
-      "wide.csv",
-      pointsText(POINTS.map((point) => point.map((at) => 1.4 * at))),
-      /um wide, the channel 50/,
-    ],
-  ]) {
-    onPage(`is named: ${what}`, VIEW + SETUP, async (page) => {
+  onPage("is named, what is typed mends it, and the next one is answered", VIEW + SETUP, async (page) => {
+    const few = TEXT.split("\n").slice(0, 6).join("\n");
+    const wide = pointsText(POINTS.map((point) => point.map((at) => 1.4 * at)));
+    const pixels = TEXT.replace("x_um,y_um", "x_px,y_px");
+    for (const [name, content, words] of [
+      ["few.csv", few, /5 points: at least 12 are needed/],
+      ["noise.png", "no picture", /cannot be read as PNG, JPEG or TIFF/],
+      ["word.csv", `${TEXT}nine,4\n`, /"nine" is no number/],
+      ["wide.csv", wide, /um wide, the channel 50/],
+      ["px.csv", pixels, /in pixels: give the size of a pixel/],
+    ]) {
       await drop(page, name, content);
-      await page.waitForSelector("#measured-verdict.problem");
-      assert.match(await page.textContent("#measured-verdict"), words);
+      await page.waitForFunction(
+        ([file, source]) =>
+          document.querySelector("#measured-file").textContent === file &&
+          new RegExp(source).test(document.querySelector("#measured-verdict.problem")?.textContent ?? ""),
+        [name, words.source],
+      );
       assert.equal(await page.locator("#map .best-fit").count(), 0);
-      // The next file is answered all the same.
-      await drop(page, "outline.csv", TEXT);
-      await identified(page);
-    });
-  }
-
-  onPage("is named, and what is typed mends it", VIEW + SETUP, async (page) => {
-    await drop(page, "px.csv", TEXT.replace("x_um,y_um", "x_px,y_px"));
-    await page.waitForSelector("#measured-verdict.problem");
+    }
     await page.getByLabel("Size of a pixel, µm").fill("1");
+    await identified(page);
+    await page.getByLabel("Size of a pixel, µm").fill("");
+    await drop(page, "outline.csv", TEXT);
+    await page.waitForFunction(() => document.querySelector("#measured-file").textContent === "outline.csv");
     await identified(page);
   });
 });
@@ -254,31 +251,36 @@ describe("files", () => {
   });
 });
 
-test("the module is loaded when it is asked for, and the page goes on drawing while it works", async () => {
-  const { page, errors, close } = await open(VIEW + SETUP);
+test("the module is loaded when it is asked for, and the page goes on while it works", async () => {
+  const { page, errors, close } = await open(`${VIEW + SETUP}&layer=misfit`);
   const modules = () =>
     page.evaluate(() => performance.getEntriesByType("resource").filter(({ name }) => /worker/.test(name)).length);
   assert.equal(await modules(), 0);
+  // A worker that takes its time: what it says arrives when the gate opens.
   await page.evaluate(() => {
-    window.frames_ = 0;
-    const count = () => {
-      window.frames_ += 1;
-      requestAnimationFrame(count);
+    const gate = new Promise((open) => {
+      window.openGate = open;
+    });
+    Worker.prototype.addEventListener = function (type, listener) {
+      const late = async (event) => {
+        await gate;
+        listener(event);
+      };
+      EventTarget.prototype.addEventListener.call(this, type, type === "message" ? late : listener);
     };
-    count();
   });
-  const frames = () => page.evaluate(() => window.frames_);
-  await page.selectOption("#layer", "misfit");
-  const before = await frames();
   await drop(page, "outline.csv", TEXT);
+  await page.waitForFunction(() => document.querySelector("#measured-verdict").textContent === "Identifying…");
+  const before = await figures(page);
+  await page.fill("#ca", "0.05");
+  await page.click("#play");
+  await page.waitForFunction(() => window.capsuleExplorer.state.t > 2.2);
+  assert.notEqual((await figures(page)).axial_length, before.axial_length);
+  assert.equal(await page.locator("output[data-identified]").count(), 0);
+  await page.evaluate(() => window.openGate());
   await identified(page);
-  const shares = new Set();
-  while (!shares.has(undefined)) {
-    shares.add(/(\d+) % computed/.exec(await page.textContent("#map-legend"))?.[1]);
-    await settled(page);
-  }
+  await page.waitForFunction(() => !/computed/.test(document.querySelector("#map-legend").textContent));
   assert.ok((await page.locator("#map .contour").count()) >= 3);
-  assert.ok((await frames()) - before > 10, "frames were drawn while the misfit was computed");
   assert.equal(await modules(), 1);
   // What comes late is dropped: of two files the last one is answered.
   await drop(page, "first.csv", TEXT);

@@ -56,7 +56,7 @@ export function picture(points, scale = 60, [width, height] = [300, 160]) {
       let sum = 0;
       // Where a pixel is cut it has the mean of its parts.
       for (let part = 0; part < 25; part++) {
-        const x = (column + ((part % 5) + 0.5) / 5 - 205) / scale;
+        const x = (column + ((part % 5) + 0.5) / 5 - (205 * width) / 300) / scale;
         const y = (row + (Math.floor(part / 5) + 0.5) / 5 - height / 2) / scale;
         sum += at(x, y);
       }

@@ -66,7 +66,7 @@ enum Task {
     Header,
     /// Build an archive of the C interface for this machine and for Cortex-M into target/package
     Package,
-    /// Build the WebAssembly module into wasm/explorer/src/wasm
+    /// Build the WebAssembly modules into wasm/explorer/src/wasm
     Wasm,
     /// Build CapsuleExplorer and serve it on 127.0.0.1 with the shipped model
     Explore(explore::Options),

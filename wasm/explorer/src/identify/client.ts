@@ -5,7 +5,7 @@ export class Client {
   #worker: Worker | undefined;
   #opened = "";
   #count = 0;
-  readonly #waiting = new Map<number, { settle: (reply: Reply) => void }>();
+  readonly #waiting = new Map<number, (reply: Reply) => void>();
 
   /** Opens a model unless it is open; `read` gives its bytes. */
   async open(digest: string, read: () => Uint8Array): Promise<void> {
@@ -34,7 +34,7 @@ export class Client {
     const asked: Asked = { id: ++this.#count, question };
     return new Promise((resolve, reject) => {
       const settle = (reply: Reply) => ("error" in reply ? reject(new Error(reply.error)) : resolve(reply.result));
-      this.#waiting.set(asked.id, { settle });
+      this.#waiting.set(asked.id, settle);
       worker.postMessage(asked);
     });
   }
@@ -43,14 +43,13 @@ export class Client {
     if (this.#worker !== undefined) return this.#worker;
     const worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
     worker.addEventListener("message", ({ data }: MessageEvent<Reply>) => {
-      this.#waiting.get(data.id)?.settle(data);
+      this.#waiting.get(data.id)?.(data);
       this.#waiting.delete(data.id);
     });
     // The program of the worker could not be loaded, or it broke: the next question starts another one.
     worker.addEventListener("error", (event) => {
       const words = event.message || "it could not be loaded; see whether the server still runs";
-      for (const [id, { settle }] of this.#waiting)
-        settle({ id, error: `The program that identifies failed: ${words}` });
+      for (const [id, settle] of this.#waiting) settle({ id, error: `The program that identifies failed: ${words}` });
       this.#waiting.clear();
       worker.terminate();
       this.#worker = undefined;
