@@ -67,9 +67,22 @@ pub fn read(table: &Path, common: &Given, against: &str, warn: impl Fn(&str)) ->
         }
     }
     let folder = table.parent().unwrap_or(Path::new(""));
+    let records: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().with_context(context)?;
+    let is_option = |name: &str, used: bool| used && ![FILE, ID].contains(&name);
+    // Where commas do not separate cells, spreadsheets of many languages write them for decimal points.
+    let has_points = records.iter().any(|record| {
+        let cells = columns.iter().zip(&used).zip(record);
+        cells
+            .into_iter()
+            .any(|((name, used), cell)| is_option(name, *used) && is_decimal(cell, '.'))
+    });
+    let has_commas = separator.is_some_and(|separator| separator != b',') && !has_points;
+    let with_point = |cell: &str| match has_commas && is_decimal(cell, ',') {
+        true => cell.replace(',', "."),
+        false => cell.to_owned(),
+    };
     let mut rows = Vec::new();
-    for (index, record) in reader.records().enumerate() {
-        let record = record.with_context(context)?;
+    for (index, record) in records.iter().enumerate() {
         let cell = |name: &str| {
             let column = columns.iter().position(|column| column == name);
             column
@@ -78,10 +91,15 @@ pub fn read(table: &Path, common: &Given, against: &str, warn: impl Fn(&str)) ->
         };
         let mut arguments = Vec::new();
         for (name, used) in columns.iter().zip(&used) {
-            let option = *used && ![FILE, ID].contains(&name.as_str()) && !name.ends_with(DEVIATION);
+            let option = is_option(name, *used) && !name.ends_with(DEVIATION);
             if let Some(value) = cell(name).filter(|_| option) {
-                let deviation = cell(&format!("{name}{DEVIATION}")).map(|deviation| format!(",{deviation}"));
-                arguments.push(format!("--{name}={value}{}", deviation.unwrap_or_default()));
+                let deviation =
+                    cell(&format!("{name}{DEVIATION}")).map(|deviation| format!(",{}", with_point(deviation)));
+                arguments.push(format!(
+                    "--{name}={}{}",
+                    with_point(value),
+                    deviation.unwrap_or_default()
+                ));
             }
         }
         let given = given(&command, common, &arguments, folder);
@@ -128,6 +146,13 @@ fn request(number: usize, file: &str, given: &Result<Given>, against: &str) -> S
 }
 
 const CHECKSUM: crc::Crc<u64> = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
+
+/// Whether a cell is a number with this sign before its decimals.
+fn is_decimal(cell: &str, sign: char) -> bool {
+    let digits = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    let parts = cell.trim_start_matches('-').split_once(sign);
+    parts.is_some_and(|(whole, decimals)| digits(whole) && digits(decimals))
+}
 
 fn option_name(heading: &str) -> String {
     heading.to_lowercase().replace(['_', ' '], "-")
@@ -185,6 +210,18 @@ mod tests {
         assert!(error.contains("half") && error.contains("--pixel-um"), "{error}");
         assert!(warned.borrow()[0].contains("remark"));
         assert_eq!(rows[0].path.as_deref(), Some(&*folder.path().join("a.csv")));
+        let commas = folder.path().join("commas.csv");
+        std::fs::write(
+            &commas,
+            "file;pixel_um;axial_length_um;axial_length_um_deviation\na.csv;0,5;49,25;0,2\n",
+        )
+        .unwrap();
+        let [row] = &read(&commas, &common, "model", |_| ()).unwrap()[..] else {
+            panic!("not one row");
+        };
+        let given = row.given.as_ref().unwrap();
+        assert_eq!(given.pixel_um, Some(0.5));
+        assert!(format!("{given:?}").contains("[49.25, 0.2]"), "{given:?}");
         let others = read(&table, &common, "another model", |_| ()).unwrap();
         assert!(rows.iter().zip(&others).all(|(a, b)| a.request != b.request));
     }
