@@ -10,6 +10,10 @@ use std::fmt::Write;
 /// By what share the scales of the pixel and of the walls may differ without a warning.
 const SAME_SCALE: f64 = 0.01;
 
+/// Pixels in a half width below which neighbouring points of a contour err alike, more than a fit counts: see
+/// `docs/reports/identification.md`.
+const FEW_PIXELS: f64 = 50.0;
+
 /// A picture and what was found in it.
 #[derive(Debug)]
 pub struct Seen {
@@ -99,6 +103,13 @@ impl Seen {
                 found.cut
             ));
         }
+        let pixels = said.half_width_um / pixel_um;
+        if pixels < FEW_PIXELS {
+            warnings.push(format!(
+                "the half width of the channel has {pixels:.0} pixels: with fewer than {FEW_PIXELS:.0} the intervals \
+                 are too narrow"
+            ));
+        }
         let [width, height] = picture.size();
         let note = format!(
             "{} points of a picture of {width} x {height} pixels, edge by {}, {pixel_um:.4} um a pixel by {scale_from}",
@@ -171,5 +182,31 @@ fn scale(found: &Found, said: &Said, warnings: &mut Vec<String>) -> Result<(f64,
         (Some(given), _) => Ok((given, GIVEN)),
         (None, Some(walls)) => Ok((walls, "the walls")),
         (None, None) => Err(MeasurementError::NoScale),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_pixels_in_a_half_width_are_warned_of() {
+        let mask = || Picture::mask(120, 60, |x, y| (f64::from(x) - 60.0).hypot(f64::from(y) - 30.0) < 20.0);
+        let said = |half_width_um| Said {
+            half_width_um,
+            unit: None,
+            pixel_um: Some(0.5),
+            direction: Direction::Right,
+            capsule: None,
+            edge: None,
+            background: None,
+        };
+        let warned = |half_width_um: f64| {
+            let mut warnings = Vec::new();
+            Seen::find(mask().unwrap(), &said(half_width_um), &mut warnings).unwrap();
+            warnings
+        };
+        assert!(warned(26.0).is_empty());
+        assert!(warned(13.0)[0].contains("26 pixels"), "{:?}", warned(13.0));
     }
 }
