@@ -2,9 +2,10 @@
 
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
-import { resolve } from "node:path";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { chromium } from "playwright-core";
 
@@ -162,6 +163,21 @@ export function predict(ca, confinement, times, method, extrapolate = false) {
   const query = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
   if (extrapolate) query.push("--extrapolate");
   return JSON.parse(capsuleRom(["predict", ...query, "--model", MODEL, "--json"]));
+}
+
+/** The native core's fields at the nodes, a column of numbers by name: the CSV of `capsule-rom predict --fields`. */
+export function predictFields(ca, confinement, t, method) {
+  const folder = mkdtempSync(join(tmpdir(), "capsule-"));
+  try {
+    const file = join(folder, "fields.csv");
+    const query = ["--ca", ca, "--confinement", confinement, "--t", t, "--method", method, "--model", MODEL];
+    capsuleRom(["predict", ...query, "--fields", "all", "--csv", file]);
+    const lines = readFileSync(file, "utf8").trim().split("\n");
+    const [names, ...rows] = lines.filter((line) => !line.startsWith("#")).map((line) => line.split(","));
+    return Object.fromEntries(names.map((name, i) => [name, Float32Array.from(rows, (row) => Number(row[i]))]));
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
 }
 
 /** Builds a model of "other people's data", series over ca and al, in a folder; returns its path. */

@@ -65,6 +65,7 @@ export class Explorer {
       link: () => new URL(this.fragment(), window.location.href).href,
       session: () => toSession(this.fragment()),
       picture: () => this.workbench.picture(),
+      scale: () => this.workbench.scale(),
     });
     this.#takeFiles();
     this.#tieCopy();

@@ -62,6 +62,11 @@ export class Workbench {
     return this.#parts.solid.picture();
   }
 
+  /** The scale of its colours; undefined where it has none. */
+  scale(): SVGSVGElement | undefined {
+    return this.#parts.solid.scale;
+  }
+
   get capsule(): Capsule | undefined {
     return this.#capsule;
   }

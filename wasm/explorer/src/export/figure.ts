@@ -33,8 +33,7 @@ export function figureSvg(stage: Element, legend: Legend): SVGSVGElement {
   for (const drawing of stage.querySelectorAll<SVGSVGElement>("svg")) {
     const { left, top, width, height } = drawing.getBoundingClientRect();
     if (width === 0) continue;
-    const copy = drawing.cloneNode(true) as SVGSVGElement;
-    inlineStyles(drawing, copy);
+    const copy = standalone(drawing);
     set(copy, { x: left - box.left, y: top - box.top, width, height });
     copy.removeAttribute("class");
     for (const hidden of copy.querySelectorAll(".surface, .grip, .focus-ring")) hidden.remove();
@@ -83,25 +82,42 @@ export function svgText(figure: SVGSVGElement): string {
 /** A figure as pixels, two for each of the screen's. */
 export async function figurePng(figure: SVGSVGElement): Promise<Blob> {
   const [width, height] = [Number(figure.getAttribute("width")), Number(figure.getAttribute("height"))];
-  const image = new Image(width, height);
-  image.src = `data:image/svg+xml,${encodeURIComponent(svgText(figure))}`;
-  await image.decode();
+  const image = await imageOf(figure, width, height);
   return paint(width, height, (context) => context.drawImage(image, 0, 0, width, height));
 }
 
-/** The space view as pixels, with its ground and its foot. */
-export async function picturePng(picture: HTMLCanvasElement, legend: Legend): Promise<Blob> {
+/** The space view as pixels, with its ground and its foot, and the scale of its colours where it has any. */
+export async function picturePng(
+  picture: HTMLCanvasElement,
+  legend: Legend,
+  scale: SVGSVGElement | undefined,
+): Promise<Blob> {
   // Taken in the task that draws it: the browser may clear it afterwards.
   const taken = await createImageBitmap(picture);
   const { width, height } = picture.getBoundingClientRect();
   const frame = canvas(width, height, picture, legend);
-  const image = new Image(width, height + FOOT);
-  image.src = `data:image/svg+xml,${encodeURIComponent(svgText(frame))}`;
-  await image.decode();
+  const image = await imageOf(frame, width, height + FOOT);
+  const box = scale?.getBoundingClientRect();
+  const over = scale && box && (await imageOf(standalone(scale), box.width, box.height));
   return paint(width, height + FOOT, (context) => {
     context.drawImage(image, 0, 0, width, height + FOOT);
     context.drawImage(taken, 0, 0, width, height);
+    if (over) context.drawImage(over, width - over.width - 8, height - over.height - 8);
   });
+}
+
+/** A drawing that needs no style sheet. */
+export function standalone(drawing: SVGSVGElement): SVGSVGElement {
+  const copy = drawing.cloneNode(true) as SVGSVGElement;
+  inlineStyles(drawing, copy);
+  return copy;
+}
+
+export async function imageOf(drawing: SVGSVGElement, width: number, height: number): Promise<HTMLImageElement> {
+  const image = new Image(width, height);
+  image.src = `data:image/svg+xml,${encodeURIComponent(svgText(drawing))}`;
+  await image.decode();
+  return image;
 }
 
 function paint(width: number, height: number, draw: (context: CanvasRenderingContext2D) => void): Promise<Blob> {

@@ -18,6 +18,8 @@ export interface Source {
   readonly session: () => string;
   /** The picture of the space view; undefined where there is none. */
   readonly picture: () => HTMLCanvasElement | undefined;
+  /** The scale of its colours; undefined where it has none. */
+  readonly scale: () => SVGSVGElement | undefined;
 }
 
 /** The drawings, by the id of their element. */
@@ -29,6 +31,8 @@ const DRAWINGS: readonly (readonly [id: string, view: View | undefined, name: st
   ["plots", "plots", "All read-outs"],
   ["track", undefined, "Read-out along time"],
 ];
+
+const SPACE = "Capsule in the channel";
 
 /** Frames of an animation. */
 const FRAMES = 41;
@@ -59,30 +63,25 @@ export class TakeAway {
     const picture = context.shows("solid") ? this.#source.picture() : undefined;
     if (picture !== undefined) {
       const save = async () => {
-        const canvas = this.#source.picture();
-        if (canvas !== undefined) {
-          this.#save(
-            "capsule",
-            "png",
-            await picturePng(canvas, this.#legend("Capsule in the channel", traces, context)),
-          );
-        }
+        const png = await this.#picture(traces, context);
+        if (png !== undefined) this.#save("capsule", "png", png);
       };
-      rows.push(this.#row("Capsule in the channel", [button("PNG", save)]));
+      rows.push(this.#row(SPACE, [button("PNG", save)]));
     }
     const link = this.#source.link();
-    const report = () => {
+    const report = async () => {
       const figures: ReportFigure[] = drawings.map(([id, , name]) => {
         return { name, drawing: this.#figure(id, name, traces, context) };
       });
-      const canvas = picture === undefined ? undefined : this.#source.picture();
-      if (canvas !== undefined) {
-        const name = "Capsule in the channel";
-        figures.unshift({ name, drawing: html("img", { src: canvas.toDataURL(), alt: name }) });
+      const png = picture === undefined ? undefined : await this.#picture(traces, context);
+      if (png !== undefined) {
+        figures.unshift({ name: SPACE, drawing: html("img", { src: await dataAddress(png), alt: SPACE }) });
       }
       return toReport(traces, context, figures, provenance(traces, context, link));
     };
-    rows.unshift(this.#row("All of it in one page", [button("HTML", () => this.#save("report", "html", report()))]));
+    rows.unshift(
+      this.#row("All of it in one page", [button("HTML", async () => this.#save("report", "html", await report()))]),
+    );
     rows.push(
       this.#row("Read-outs, now and along time", [
         button("CSV", () => this.#save("readouts", "csv", toCsv(traces, context, provenance(traces, context, link)))),
@@ -113,6 +112,12 @@ export class TakeAway {
 
   #figure(id: string, name: string, traces: readonly Trace[], context: Context): SVGSVGElement {
     return figureSvg(this.#root.part(id, HTMLElement), this.#legend(name, traces, context));
+  }
+
+  /** The space view with its words. */
+  async #picture(traces: readonly Trace[], context: Context): Promise<Blob | undefined> {
+    const canvas = this.#source.picture();
+    return canvas && picturePng(canvas, this.#legend(SPACE, traces, context), this.#source.scale());
   }
 
   /** The live surface relative to its centroid: as it is, and as it moves. */
@@ -167,4 +172,13 @@ export class TakeAway {
     html("a", { href: address, download: `capsule-${name}-${digest}.${extension}` }).click();
     window.setTimeout(() => URL.revokeObjectURL(address), 10_000);
   }
+}
+
+function dataAddress(content: Blob): Promise<string> {
+  const reader = new FileReader();
+  return new Promise((read, failed) => {
+    reader.addEventListener("load", () => read(String(reader.result)));
+    reader.addEventListener("error", () => failed(reader.error));
+    reader.readAsDataURL(content);
+  });
 }

@@ -33,7 +33,7 @@ export interface Parts {
 export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => void): Parts {
   const courses = new Courses(jobs, redraw);
   const onSection = (section: number) => store.set({ section: Math.min(5, Math.max(-5, section)) });
-  const solid = new SolidView(root);
+  const solid = new SolidView(root, store);
   const map = new ParameterMap(root, (point) => store.set({ ...point, extrapolate: false }));
   return {
     courses,
