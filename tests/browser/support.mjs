@@ -123,7 +123,9 @@ function freePort() {
 
 /** Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. */
 export async function openPage(browser, address, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  // A page that is kept by the browser would not ask the server, nor the routes of a test.
+  const standard = { viewport: { width: 1440, height: 900 }, serviceWorkers: "block" };
+  const context = await browser.newContext({ ...standard, ...options });
   const page = await context.newPage();
   const errors = [];
   page.on("pageerror", (error) => errors.push(String(error)));

@@ -10,6 +10,7 @@ import "./style/sheets.css";
 import "./style/embedded.css";
 import { Explorer, type Options } from "./app/explorer";
 import { type Api, api, CapsuleExplorer, setControls } from "./element";
+import { keepOffline } from "./offline/keep";
 import { loadFont } from "./style/font";
 
 declare global {
@@ -25,6 +26,7 @@ const model = words.get("model");
 // For a frame in another page.
 setControls(document.body, words.get("controls"));
 const explorer = new Explorer(document.body, { ownsAddress: true, ...(model === null ? {} : { model }) });
+keepOffline(explorer.root.part("new-version", HTMLButtonElement));
 customElements.define("capsule-explorer", CapsuleExplorer);
 
 window.capsuleExplorer = Object.defineProperties(
