@@ -54,7 +54,7 @@ async function serve(context, files) {
   return { url: `http://127.0.0.1:${server.address().port}/explorer/`, stop };
 }
 
-const open = (url) => openPage(browser, url, { serviceWorkers: "allow" });
+const open = (url) => openPage(browser, url, { isKept: true });
 const kept = (page) => page.evaluate(async () => (await navigator.serviceWorker.ready).active.state);
 const digest = (page) => page.getAttribute("#model", "data-digest");
 const ready = (page) => page.waitForFunction(() => document.body.dataset.status === "ready");

@@ -121,11 +121,14 @@ function freePort() {
   });
 }
 
-/** Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. */
+/**
+ * Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. The options are
+ * those of a context, and `isKept`: whether the browser may keep the page for use without a network.
+ */
 export async function openPage(browser, address, options = {}) {
-  // A page that is kept by the browser would not ask the server, nor the routes of a test.
-  const standard = { viewport: { width: 1440, height: 900 }, serviceWorkers: "block" };
-  const context = await browser.newContext({ ...standard, ...options });
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  // A page that is kept by the browser would ask neither the server nor the routes of a test.
+  if (!options.isKept) await context.addInitScript(() => delete Navigator.prototype.serviceWorker);
   const page = await context.newPage();
   const errors = [];
   page.on("pageerror", (error) => errors.push(String(error)));

@@ -7,6 +7,7 @@ import "./style/time.css";
 import "./style/layout.css";
 import "./style/model.css";
 import "./style/sheets.css";
+import "./style/tour.css";
 import "./style/embedded.css";
 import { Explorer, type Options } from "./app/explorer";
 import { type Api, api, CapsuleExplorer, setControls } from "./element";

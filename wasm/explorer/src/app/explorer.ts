@@ -5,6 +5,7 @@ import { tieHelp } from "../panels/keys";
 import { describe } from "../panels/model-card";
 import { tieParameters } from "../panels/parameters";
 import { TakeAway } from "../panels/take-away";
+import { Tour } from "../panels/tour";
 import { Address } from "./address";
 import { button, html, Root } from "./dom";
 import { fromFragment, type Link, toFragment } from "./link";
@@ -60,6 +61,7 @@ export class Explorer {
       );
     }
     tieHelp(this.root, () => this.workbench.recolour());
+    new Tour(this.root);
     new TakeAway(this.root, {
       shown: () => this.workbench.shown,
       link: () => new URL(this.fragment(), window.location.href).href,
