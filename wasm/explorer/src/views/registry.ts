@@ -8,6 +8,7 @@ import { MapChoices } from "../panels/map-choices";
 import { Notice } from "../panels/notice";
 import { Readouts } from "../panels/readouts";
 import { ParameterSliders } from "../panels/sliders";
+import { Sound } from "../panels/sound";
 import { TimeAxis } from "../panels/time-axis";
 import { Transport } from "../panels/transport";
 import { Courses } from "./courses";
@@ -52,6 +53,7 @@ export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => vo
       new Notice(root, store),
       new Readouts(root, (trace) => store.set({ trace })),
       new TimeAxis(root, store, courses),
+      new Sound(root, courses),
       new Transport(root, store),
       new Compare(root, store),
       new Calculator(root, store),
