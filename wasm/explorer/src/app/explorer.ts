@@ -68,6 +68,7 @@ export class Explorer {
       session: () => toSession(this.fragment()),
       picture: () => this.workbench.picture(),
       scale: () => this.workbench.scale(),
+      seek: (t) => this.workbench.seek(t),
     });
     this.#takeFiles();
     this.#tieCopy();

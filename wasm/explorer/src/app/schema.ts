@@ -17,6 +17,8 @@ export type View = (typeof VIEWS)[number];
 export { QUANTITIES };
 export type Quantity = (typeof QUANTITIES)[number];
 
+/** The whole of a model plays in this many seconds at speed 1, as the channel's 20 l/V do. */
+export const PLAY_SECONDS = 20;
 export const SPEEDS = [0.25, 0.5, 1, 2, 5] as const;
 
 /** Scales of the axis of Ca on the map. */

@@ -5,12 +5,9 @@ import { makeParts, type Parts } from "../views/registry";
 import type { Context, Trace } from "../views/view";
 import type { Root } from "./dom";
 import { Jobs } from "./jobs";
-import { QUANTITIES, type Query, queryOf, type State, VIEWS, type View } from "./schema";
+import { PLAY_SECONDS, QUANTITIES, type Query, queryOf, type State, VIEWS, type View } from "./schema";
 import type { Store } from "./store";
 import { Visibility } from "./visibility";
-
-/** The whole of a model plays in this many seconds at speed 1, as the channel's 20 l/V do. */
-const PLAY_SECONDS = 20;
 
 /** The open model on screen: after each change one frame, in which every visible part asks the core what it shows. */
 export class Workbench {
@@ -55,6 +52,12 @@ export class Workbench {
   /** Takes the theme's colours anew. */
   recolour(): void {
     this.#parts.solid.recolour();
+  }
+
+  /** Goes to an instant and draws the space view there at once, in sight or not. */
+  seek(t: number): void {
+    this.#store.set({ t, playing: false });
+    if (this.shown !== undefined) this.#parts.solid.draw(...this.shown);
   }
 
   /** The picture of the space view; undefined where there is none. */

@@ -1,13 +1,14 @@
 import { button, html, type Root } from "../app/dom";
-import type { View } from "../app/schema";
-import { figurePng, figureSvg, type Legend, picturePng, svgText } from "../export/figure";
+import type { State, View } from "../app/schema";
+import { figurePng, figureSvg, type Legend, type Picture, picturePng, svgText } from "../export/figure";
+import { canFilm, film } from "../export/film";
 import { toCsv, toJson } from "../export/numbers";
 import { toObj } from "../export/obj";
 import { footer, provenance } from "../export/provenance";
 import { type ReportFigure, toReport } from "../export/report";
 import { toStl } from "../export/stl";
 import { toVtp } from "../export/vtp";
-import type { Answer } from "../model/answer";
+import { type Answer, text } from "../model/answer";
 import type { Context, Trace } from "../views/view";
 
 /** What the dialog takes from the explorer. */
@@ -20,6 +21,8 @@ export interface Source {
   readonly picture: () => HTMLCanvasElement | undefined;
   /** The scale of its colours; undefined where it has none. */
   readonly scale: () => SVGSVGElement | undefined;
+  /** Goes to an instant and draws the picture there. */
+  readonly seek: (t: number) => void;
 }
 
 /** The drawings, by the id of their element. */
@@ -63,19 +66,20 @@ export class TakeAway {
     const picture = context.shows("solid") ? this.#source.picture() : undefined;
     if (picture !== undefined) {
       const save = async () => {
-        const png = await this.#picture(traces, context);
-        if (png !== undefined) this.#save("capsule", "png", png);
+        const shot = this.#picture(traces, context);
+        if (shot !== undefined) this.#save("capsule", "png", await picturePng(shot));
       };
-      rows.push(this.#row(SPACE, [button("PNG", save)]));
+      rows.push(this.#row(SPACE, [button("PNG", save)]), this.#filmRow(context.state));
     }
     const link = this.#source.link();
     const report = async () => {
       const figures: ReportFigure[] = drawings.map(([id, , name]) => {
         return { name, drawing: this.#figure(id, name, traces, context) };
       });
-      const png = picture === undefined ? undefined : await this.#picture(traces, context);
-      if (png !== undefined) {
-        figures.unshift({ name: SPACE, drawing: html("img", { src: await dataAddress(png), alt: SPACE }) });
+      const shot = picture === undefined ? undefined : this.#picture(traces, context);
+      if (shot !== undefined) {
+        const src = await dataAddress(await picturePng(shot));
+        figures.unshift({ name: SPACE, drawing: html("img", { src, alt: SPACE }) });
       }
       return toReport(traces, context, figures, provenance(traces, context, link));
     };
@@ -114,10 +118,41 @@ export class TakeAway {
     return figureSvg(this.#root.part(id, HTMLElement), this.#legend(name, traces, context));
   }
 
-  /** The space view with its words. */
-  async #picture(traces: readonly Trace[], context: Context): Promise<Blob | undefined> {
+  /** The space view with its words; undefined where there is none. */
+  #picture(traces: readonly Trace[], context: Context): Picture | undefined {
     const canvas = this.#source.picture();
-    return canvas && picturePng(canvas, this.#legend(SPACE, traces, context), this.#source.scale());
+    return canvas && { canvas, legend: this.#legend(SPACE, traces, context), scale: this.#source.scale() };
+  }
+
+  /** The space view as a film of the whole time; closing the dialog ends it. */
+  #filmRow(state: State): HTMLElement {
+    const note = html("small", { role: "status" });
+    const picture = () => {
+      const [traces, context] = this.#source.shown() ?? [];
+      return traces?.[0]?.answer && context && this.#picture(traces, context);
+    };
+    const make = button("MP4", async () => {
+      make.disabled = true;
+      const onShare = (share: number) => {
+        if (!this.#dialog.open) throw new Error("the dialog was closed");
+        note.textContent = `${Math.round(100 * share)} %`;
+      };
+      try {
+        this.#save("motion", "mp4", await film(state, this.#source.seek, picture, onShare));
+        note.textContent = "";
+      } catch (error) {
+        note.textContent = `There is no film: ${text(error)}.`;
+      }
+      this.#source.seek(state.t);
+      make.disabled = false;
+    });
+    if (!canFilm()) {
+      make.disabled = true;
+      note.textContent = "This browser has no WebCodecs to encode video with.";
+    }
+    const row = this.#row(`${SPACE}, moving`, [make]);
+    row.insertBefore(note, make);
+    return row;
   }
 
   /** The live surface relative to its centroid: as it is, and as it moves. */
