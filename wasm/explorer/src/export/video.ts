@@ -2,7 +2,7 @@ import { ArrayBufferTarget, Muxer } from "mp4-muxer";
 
 /** Frames a second. */
 export const RATE = 30;
-const BITS_PER_PIXEL = 0.12;
+const BITS_PER_PIXEL = 0.3;
 /** Frames that wait for the encoder: more would only take memory. */
 const WAITING = 8;
 
