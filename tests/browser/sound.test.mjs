@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { explorer, FLAT, predict, settled } from "./support.mjs";
 
-const { open, url } = explorer();
+const { open } = explorer();
 
 /** Writes down what is asked of the browser's audio. */
 function listen() {
@@ -28,11 +28,7 @@ function listen() {
 }
 
 test("the pitch follows the value, from a key or a button, and stops by it", async () => {
-  const { page, errors, close } = await open("#views=midplane");
-  await page.addInitScript(listen);
-  await page.goto("about:blank");
-  const address = `#ca=0.05&al=0.9&t=3&trace=velocity${FLAT}`;
-  await page.goto(url() + address);
+  const { page, errors, close } = await open(`#ca=0.05&al=0.9&t=3&trace=velocity${FLAT}`, { before: listen });
   await page.waitForFunction(() => document.querySelector("#listen")?.disabled === false);
   await page.keyboard.press("ArrowRight");
   const heard = () => page.evaluate(() => window.heard);

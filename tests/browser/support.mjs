@@ -123,11 +123,13 @@ function freePort() {
 
 /**
  * Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. The options are
- * those of a context, and `isKept`: whether the browser may keep the page for use without a network.
+ * those of a context, `isKept`: whether the browser may keep the page for use without a network, and `before`: what
+ * runs in it before its own program.
  */
 export async function openPage(browser, address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
   // A page that is kept by the browser would ask neither the server nor the routes of a test.
+  if (options.before) await context.addInitScript(options.before);
   if (!options.isKept) await context.addInitScript(() => delete Navigator.prototype.serviceWorker);
   const page = await context.newPage();
   const errors = [];
