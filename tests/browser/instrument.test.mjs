@@ -59,6 +59,18 @@ describe("a comparison", () => {
     },
   );
 
+  onPage("forgets a query that is unpinned before it was compared", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    await page.evaluate(() => {
+      const pins = [{ name: "A", parameters: [0.05, 0.8], method: "direct", extrapolate: false }];
+      window.capsuleExplorer.set({ pins });
+      window.capsuleExplorer.read();
+      window.capsuleExplorer.set({ pins: [] });
+      window.capsuleExplorer.read();
+    });
+    await page.waitForTimeout(400);
+    assert.equal(await page.isVisible("#compare"), false);
+  });
+
   onPage(
     "says where two shapes are the same or not resolved",
     `#ca=0.1&al=0.9&t=3&pins=A:direct:0.1,0.9;B:direct:0.10001,0.9${FLAT}`,

@@ -18,7 +18,6 @@ export class Workbench {
   readonly #visible: Visibility;
   #capsule: Capsule | undefined;
   #errors: ErrorMeaning = { against: "", sentence: "" };
-  #pinned: readonly string[] = [];
   #frame = 0;
   #lastFrame = 0;
 
@@ -37,7 +36,6 @@ export class Workbench {
     const previous = this.#capsule;
     this.#capsule = capsule;
     this.#errors = errorMeaning(capsule.model);
-    this.#pinned = [];
     // No part may hold an answer of the model that is freed: one that is out of sight would ask it when it is resized.
     const context = this.#context(capsule, this.#store.state);
     this.#parts.courses.begin(capsule);
@@ -119,7 +117,6 @@ export class Workbench {
   #draw(): void {
     const capsule = this.#capsule;
     if (capsule === undefined) return;
-    this.#freeUnpinned(capsule);
     const [live] = traces(capsule, this.#store.state);
     // Time that runs into a shape that is refused stays at the instant that the notice speaks of.
     if (live?.answer === undefined) this.#store.set({ playing: false });
@@ -150,15 +147,6 @@ export class Workbench {
     this.#root.element.dataset.answer = kind;
     const suffix = { given: "", extrapolated: ", extrapolated", refused: ": there is no shape to show" }[kind];
     this.#root.part("figures", HTMLElement).ariaLabel = `Views of the capsule${suffix}`;
-  }
-
-  /** Gives back the memory of queries that are pinned no longer. */
-  #freeUnpinned(capsule: Capsule): void {
-    const pinned = this.#store.state.pins.map(({ name }) => name);
-    for (const name of this.#pinned) {
-      if (!pinned.some((pin) => pin === name)) capsule.release(name);
-    }
-    this.#pinned = pinned;
   }
 }
 
