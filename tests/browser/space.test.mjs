@@ -10,6 +10,8 @@ import { explorer, openModel, otherModel, predict, predictFields, settled } from
 
 const { open, onPage } = explorer();
 const SOLID = "&views=solid";
+/** A small picture, since an emulated graphics card draws it. */
+const SMALL = { viewport: { width: 720, height: 560 } };
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const rendered = (page) => page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");

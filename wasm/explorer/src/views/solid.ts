@@ -4,6 +4,7 @@ import {
   DirectionalLight,
   DoubleSide,
   HemisphereLight,
+  type InterleavedBufferAttribute,
   Mesh,
   MeshStandardMaterial,
   PerspectiveCamera,
@@ -239,9 +240,7 @@ export class Solid {
     for (const { plane, points } of scene.cuts) {
       if (points.length < 6) continue;
       const line = this.#cuts[plane];
-      line.geometry.dispose();
-      line.geometry = new LineGeometry();
-      line.geometry.setPositions(points);
+      setLine(line.geometry, points);
       line.visible = true;
     }
     this.#origin = scene.origin;
@@ -371,6 +370,20 @@ function cutLine(): Line2 {
   line.frustumCulled = false;
   line.renderOrder = 1;
   return line;
+}
+
+/** Leads a line through points x, y, z, ...; its buffer, which is made where it is too short, holds pairs of ends. */
+function setLine(geometry: LineGeometry, points: Float32Array): void {
+  const count = points.length / 3 - 1;
+  const ends = geometry.getAttribute("instanceStart") as InterleavedBufferAttribute | undefined;
+  if (ends === undefined || ends.data.count < count) {
+    geometry.dispose();
+    geometry.setPositions(points);
+    return;
+  }
+  for (let i = 0; i < count; i++) ends.data.array.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+  ends.data.needsUpdate = true;
+  geometry.instanceCount = count;
 }
 
 /** Colours a material by a map, or by its own colour. */
