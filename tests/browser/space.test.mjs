@@ -8,10 +8,9 @@ import { join } from "node:path";
 import { describe, test } from "node:test";
 import { explorer, openModel, otherModel, predict, predictFields, settled } from "./support.mjs";
 
-const { open, onPage } = explorer();
+// A small picture, since an emulated graphics card draws it.
+const { open, onPage } = explorer({ viewport: { width: 720, height: 560 } });
 const SOLID = "&views=solid";
-/** A small picture, since an emulated graphics card draws it. */
-const SMALL = { viewport: { width: 720, height: 560 } };
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const rendered = (page) => page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");

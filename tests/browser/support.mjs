@@ -41,9 +41,10 @@ export const FLAT = "&views=midplane.diagonal.transversal";
 
 /**
  * A server and a browser for the tests of one file. `open` opens the page at an address relative to the server's;
- * `onPage` defines a test that drives a fresh page, and fails if the console reports an error.
+ * `onPage` defines a test that drives a fresh page, and fails if the console reports an error. The options of
+ * `openPage` may be given for all.
  */
-export function explorer() {
+export function explorer(standard = {}) {
   let browser;
   let server;
   before(async () => {
@@ -54,7 +55,7 @@ export function explorer() {
     await browser?.close();
     server?.stop();
   });
-  const open = (address = "", options = {}) => openPage(browser, server.url + address, options);
+  const open = (address = "", options = {}) => openPage(browser, server.url + address, { ...standard, ...options });
   const onPage = (name, address, drive, options) =>
     test(name, async () => {
       const { page, errors, close } = await open(address, options);
