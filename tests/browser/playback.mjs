@@ -1,40 +1,50 @@
 // What a frame of the playback with all views costs: `npm run playback`, after `cargo xtask explore --build-only`.
-// The JavaScript of the frames alone: how fast a graphics card draws is not the page's.
+// The time of the page's own thread: how fast a graphics card draws is not the page's. --profile names the functions.
 
 import { openPage, serve, startBrowser } from "./support.mjs";
 
 const VIEWS = "midplane.diagonal.transversal.plots.solid";
-const FRAMES = 200;
+const FRAMES = 100;
 
-/** Before the page's own program: times each animation frame's callbacks. */
-function watchFrames() {
-  window.spent = [];
+/** Before the page's own program: counts the animation frames. */
+function countFrames() {
+  window.counted = 0;
   const ask = window.requestAnimationFrame;
   window.requestAnimationFrame = (callback) =>
     ask((time) => {
-      const start = performance.now();
+      window.counted++;
       callback(time);
-      window.spent.push(performance.now() - start);
     });
 }
 
-/** Milliseconds a frame: median and 90th percentile, and the profile's share of each function. */
+/** Milliseconds of the processor a frame, for scripts and for the layout that they ask for; and a profile. */
 async function measure(browser, address) {
-  const { page, close } = await openPage(browser, address, { before: watchFrames });
-  await page.waitForTimeout(3000);
+  const { page, close } = await openPage(browser, address, { before: countFrames });
   const session = await page.context().newCDPSession(page);
+  const frames = (count) =>
+    page.evaluate(async (wanted) => {
+      window.counted = 0;
+      while (window.counted < wanted) await new Promise((wake) => setTimeout(wake, 50));
+      return window.counted;
+    }, count);
+  // Time of the thread: what else the machine does then does not count.
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const spent = async () => {
+    const { metrics } = await session.send("Performance.getMetrics");
+    return Object.fromEntries(metrics.map(({ name, value }) => [name, 1e3 * value]));
+  };
+  await page.evaluate(() => window.capsuleExplorer.set({ t: 1, speed: 0.25, playing: true }));
+  await frames(FRAMES);
+  const before = await spent();
+  const count = await frames(FRAMES);
+  const after = await spent();
   await session.send("Profiler.enable");
-  await session.send("Profiler.setSamplingInterval", { interval: 200 });
   await session.send("Profiler.start");
-  const spent = await page.evaluate(async (frames) => {
-    window.capsuleExplorer.set({ t: 1, speed: 0.5, playing: true });
-    window.spent = [];
-    while (window.spent.length < frames) await new Promise((wake) => setTimeout(wake, 50));
-    return window.spent.slice(5);
-  }, FRAMES);
+  await frames(FRAMES);
   const { profile } = await session.send("Profiler.stop");
   await close();
-  return { spent: spent.sort((a, b) => a - b), profile };
+  const each = (name) => (after[name] - before[name]) / count;
+  return { script: each("ScriptDuration"), layout: each("LayoutDuration") + each("RecalcStyleDuration"), profile };
 }
 
 /** Functions by the samples that were taken in them. */
@@ -53,9 +63,8 @@ try {
     ["all views", `&views=${VIEWS}`],
     ["all views, coloured", `&views=${VIEWS}&colour=tension_1`],
   ]) {
-    const { spent, profile } = await measure(browser, `${server.url}#ca=0.1&al=0.9&t=1${more}`);
-    const at = (share) => spent[Math.floor(share * spent.length)].toFixed(2);
-    process.stdout.write(`${name.padEnd(24)} median ${at(0.5)} ms, 90 % below ${at(0.9)} ms\n`);
+    const { script, layout, profile } = await measure(browser, `${server.url}#ca=0.1&al=0.9&t=1${more}`);
+    process.stdout.write(`${name.padEnd(24)} scripts ${script.toFixed(2)} ms, layout ${layout.toFixed(2)} ms\n`);
     if (process.argv.includes("--profile")) {
       for (const [name, share] of shares(profile).slice(0, 25)) {
         process.stdout.write(`  ${(100 * share).toFixed(1).padStart(5)} %  ${name}\n`);
