@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { test } from "node:test";
+import { drop, identified, picture, SETUP, section } from "./outlines.mjs";
 import { explorer } from "./support.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -28,6 +29,7 @@ const SITUATIONS = {
     { viewport: { width: 390, height: 844 }, colorScheme: "dark" },
   ],
   "a link of another model": ["#m=01234567&file=own.crom&ca=0.1&al=0.9", { colorScheme: "dark" }],
+  "no outline yet": ["#views=midplane.measured", { colorScheme: "light" }],
   "missing model": ["?model=./nothing.crom", { viewport: { width: 1440, height: 900 } }],
 };
 
@@ -40,6 +42,25 @@ for (const [situation, [address, options]] of Object.entries(SITUATIONS)) {
     const { violations } = await page.evaluate(() => window.axe.run(document));
     const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
     assert.deepEqual(found, []);
+    await close();
+  });
+}
+
+for (const [situation, options] of [
+  ["desktop, light", { colorScheme: "light" }],
+  ["phone, dark", { viewport: { width: 390, height: 844 }, colorScheme: "dark" }],
+]) {
+  test(`accessibility: an identified outline, ${situation}`, async () => {
+    const { page, close } = await open(`#ca=0.1&al=0.9&t=2&layer=misfit${SETUP}`, options);
+    await drop(page, "capsule.png", picture(await section(0.06, 0.95)));
+    await identified(page);
+    await page.waitForSelector("#map .region-of", { state: "attached" });
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => window.axe.run(document));
+    const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
+    assert.deepEqual(found, []);
+    const [content, window_] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+    assert.ok(content <= window_, `${content} px of content in ${window_} px`);
     await close();
   });
 }

@@ -30,7 +30,7 @@ function shippedModel(): Plugin {
   };
 }
 
-/** Has the WebAssembly module fetched beside the page's program, and not after it. */
+/** Has the WebAssembly module of the page fetched beside its program, and not after it. */
 function preloadedModule(): Plugin {
   return {
     name: "preloaded-module",
@@ -38,7 +38,7 @@ function preloadedModule(): Plugin {
       order: "post",
       handler: (_, { bundle }) =>
         Object.keys(bundle ?? {})
-          .filter((name) => name.endsWith(".wasm"))
+          .filter((name) => name.includes("capsule_wasm") && name.endsWith(".wasm"))
           .map((name) => ({
             tag: "link",
             attrs: { rel: "preload", as: "fetch", type: "application/wasm", crossorigin: "", href: `./${name}` },
@@ -79,6 +79,7 @@ export default defineConfig({
   base: "./",
   appType: "mpa",
   plugins: [shippedModel(), preloadedModule(), serviceWorker()],
+  worker: { format: "es" },
   build: {
     target: "es2023",
     assetsInlineLimit: 0,

@@ -47,6 +47,11 @@ impl Model {
         Evaluation::new(self.shared.clone())
     }
 
+    /// The bytes of the file.
+    pub fn file(&self) -> Vec<u8> {
+        self.shared.file.borrow_owner().clone()
+    }
+
     /// Title.
     #[wasm_bindgen(getter)]
     pub fn title(&self) -> String {

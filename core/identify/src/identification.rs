@@ -107,6 +107,19 @@ impl Frame {
         let [u, v] = [cos * x - sin * y + self.middle[0], cos * y + sin * x + self.middle[1]];
         self.direction.back([u, v]).map(|x| x * self.half_width_um)
     }
+
+    /// A point of the contour, in um, in the frame of the capsule's centroid, in l: the way back from
+    /// [`place_um`](Self::place_um).
+    pub fn place(&self, point_um: [f64; 2]) -> [f64; 2] {
+        let [u, v] = self.direction.turn(point_um.map(|x| x / self.half_width_um));
+        let [x, y] = [u - self.middle[0], v - self.middle[1]];
+        let (cos, sin) = (libm::cos(self.tilt), libm::sin(self.tilt));
+        let grown = 1.0 + self.scale_error;
+        [
+            grown * (cos * x + sin * y) - self.shift[0],
+            grown * (cos * y - sin * x) - self.shift[1],
+        ]
+    }
 }
 
 /// The result of an identification.
@@ -157,4 +170,39 @@ pub struct Identification {
     pub verdict: Verdict,
     /// How many outlines of the model were computed.
     pub evaluations: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_leads_there_and_back() {
+        for direction in Direction::ALL {
+            let frame = Frame {
+                direction,
+                half_width_um: 25.0,
+                middle: [3.0, -1.0],
+                shift: [0.04, 0.01],
+                tilt: 0.03,
+                scale_error: 0.004,
+            };
+            // To the front, seen in the contour's coordinates: the way of the flow, but for the tilt.
+            let [from, to] = [0.0, 1.0].map(|x| frame.place_um([x, 0.0]));
+            let [x, y] = [0, 1].map(|d| (to[d] - from[d]) / 25.0);
+            let along = match direction {
+                Direction::Right | Direction::Found => x,
+                Direction::Left => -x,
+                Direction::Up => y,
+                Direction::Down => -y,
+            };
+            assert!((along - 0.03_f64.cos() / 1.004).abs() < 1e-12, "{direction:?} {along}");
+            let place = [0.7, -0.4];
+            let [x, y] = frame.place(frame.place_um(place));
+            assert!(
+                (x - place[0]).abs() < 1e-12 && (y - place[1]).abs() < 1e-12,
+                "{direction:?}"
+            );
+        }
+    }
 }

@@ -23,6 +23,7 @@ mod grid;
 mod identification;
 mod local;
 mod measurement;
+mod misfit;
 mod model_error;
 mod noise;
 mod profile;
@@ -40,10 +41,11 @@ pub use error::IdentifyError;
 pub use grid::Grid;
 pub use identification::{Alternative, Estimate, Frame, Identification, Verdict};
 pub use measurement::{Contour, Direction, Flow, Lengths, MAX_FRAMES, Measured, Measurement, Priors, Sequence, Setup};
+pub use misfit::Misfit;
 pub use profile::Interval;
 pub use residuals::Point;
 pub use sequence::{SequenceIdentification, identify_sequence};
 pub use shapes::{
     HALF_WIDTH, LENGTH, Memory, NODES_ROOM, Observable, RADIUS, REAR_DEPTH, SCALARS, Shape, Shapes, Store, VELOCITY,
 };
-pub use solve::identify;
+pub use solve::{identify, identify_with_misfit};

@@ -6,6 +6,7 @@ use crate::fit::{Fit, Fitter, Slopes};
 use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
 use crate::measurement::{Direction, Flow, Measurement};
+use crate::misfit::Misfit;
 use crate::model_error;
 use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
 use crate::profile::{Interval, Profile};
@@ -42,6 +43,35 @@ pub fn identify(
     measurement: &Measurement<'_>,
     points: &mut [Point],
 ) -> Result<Identification, IdentifyError> {
+    run(shapes, grid, measurement, points, |_, _| ())
+}
+
+/// Identifies a capsule, and gives how badly all the others of the model fit. As [`identify`].
+///
+/// # Errors
+/// See [`IdentifyError`].
+pub fn identify_with_misfit(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    measurement: &Measurement<'_>,
+    points: &mut [Point],
+) -> Result<(Identification, Misfit), IdentifyError> {
+    let mut misfit = None;
+    let found = run(shapes, grid, measurement, points, |profile, freedom| {
+        misfit = Some(Misfit::of(profile, freedom));
+    })?;
+    misfit.map(|misfit| (found, misfit)).ok_or(IdentifyError::NoFit)
+}
+
+/// Identifies a capsule. `keep` is shown the likelihood at the end, and the degrees of freedom of the noise where that
+/// is an estimate.
+fn run(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    measurement: &Measurement<'_>,
+    points: &mut [Point],
+    keep: impl FnOnce(&Profile<'_>, Option<f64>),
+) -> Result<Identification, IdentifyError> {
     check(measurement, points.len())?;
     let evaluated = shapes.evaluations();
     let domain = Domain::new(shapes.model()).ok_or(EvaluateError::UnsupportedReference)?;
@@ -53,7 +83,7 @@ pub fn identify(
     let (direction, candidates) = solver.candidates(grid)?;
     let count = measurement.contour.map_or(0, |contour| contour.points_um.len());
     let points = points.get_mut(..count).unwrap_or_default();
-    let mut solved = solver.solve(direction, candidates, points)?;
+    let mut solved = solver.solve(direction, candidates, points, keep)?;
     solved.evaluations = solver.fitter.shapes.evaluations() - evaluated;
     Ok(solved)
 }
@@ -120,6 +150,7 @@ impl Solver<'_, '_, '_, '_> {
         direction: Direction,
         candidates: [Option<Candidate>; 2],
         points: &mut [Point],
+        keep: impl FnOnce(&Profile<'_>, Option<f64>),
     ) -> Result<Identification, IdentifyError> {
         let half_width = self.measurement.setup.half_width_um;
         if let Some(contour) = &self.measurement.contour {
@@ -191,6 +222,7 @@ impl Solver<'_, '_, '_, '_> {
             alternative.filter(|other| other.rise <= CHI_SQUARED_95),
             points,
             noise,
+            keep,
         )
     }
 
@@ -202,6 +234,7 @@ impl Solver<'_, '_, '_, '_> {
         alternative: Option<Alternative>,
         points: &[Point],
         noise: Noise,
+        keep: impl FnOnce(&Profile<'_>, Option<f64>),
     ) -> Result<Identification, IdentifyError> {
         let setup = &self.measurement.setup;
         let half_width = setup.half_width_um;
@@ -259,6 +292,7 @@ impl Solver<'_, '_, '_, '_> {
         {
             profile.local = self.fitter.local(&data, &fit, steps)?;
         }
+        keep(&profile, (!known).then_some(freedom));
         let ratio = fit.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
         let gradients = [[1.0, 0.0], [0.0, 1.0], [1.0 + ratio[0], ratio[1]]];
         let of_capsule = matches!(setup.flow, Flow::CapsuleVelocity(_));

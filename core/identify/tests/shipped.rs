@@ -194,6 +194,96 @@ fn intervals_near_the_best_value_are_those_of_the_curvature() {
 /// A turn of a picture.
 type Turn = fn([f64; 2]) -> [f64; 2];
 
+/// The least value of a function that falls and then rises, by golden sections.
+fn least([mut low, mut high]: [f64; 2], f: &mut dyn FnMut(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let mut value = f64::INFINITY;
+    for _ in 0..14 {
+        let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
+        let [at_a, at_b] = [f(a), f(b)];
+        value = value.min(at_a).min(at_b);
+        (low, high) = if at_a < at_b { (low, b) } else { (a, high) };
+    }
+    value
+}
+
+#[test]
+fn the_misfit_rises_at_the_ends_of_the_intervals_by_their_quantiles() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let mut random = normals(7);
+    let mut checked = 0;
+    for [ca, confinement] in TRUTHS {
+        let shape = shapes.at([ca.ln(), confinement]).unwrap();
+        let points = contour(&shape, 600, 3e-3, &mut random);
+        let mut measurement = measurement(&points);
+        if let Some(contour) = &mut measurement.contour {
+            contour.noise_um = Some(3e-3 * CHANNEL_UM);
+        }
+        let mut room = vec![Point::default(); points.len()];
+        let (found, misfit) = identify_with_misfit(&mut shapes, &grid, &measurement, &mut room).unwrap();
+        assert!((misfit.level(0.95) - 5.991).abs() < 1e-3 && (misfit.level(0.6827) - 2.296).abs() < 1e-3);
+        let best = [found.capillary_number.value.ln(), found.confinement.value];
+        let at_best = misfit.rise(&mut shapes, best).unwrap().unwrap();
+        assert!(at_best.abs() < 0.1, "{at_best}");
+        let ends = |estimate: Estimate| [(1.0, estimate.interval_68), (1.96, estimate.interval_95)];
+        for (d, estimate) in [(0, found.capillary_number), (1, found.confinement)] {
+            for (quantile, interval) in ends(estimate) {
+                for (end, open) in [interval.low, interval.high].into_iter().zip(interval.open) {
+                    if open {
+                        continue;
+                    }
+                    let end = if d == 0 { end.ln() } else { end };
+                    let other = 1 - d;
+                    let way = 4.0 * found.deviations[other];
+                    let rise = least([best[other] - way, best[other] + way], &mut |value| {
+                        let mut theta = [end; 2];
+                        theta[other] = value;
+                        misfit.rise(&mut shapes, theta).unwrap().unwrap_or(f64::INFINITY)
+                    });
+                    let root = rise.max(0.0).sqrt();
+                    assert!(
+                        (root - quantile).abs() < 0.1 * quantile,
+                        "Ca {ca}, a/l {confinement}: {root} for {quantile}, parameter {d}"
+                    );
+                    checked += 1;
+                }
+            }
+            // Farther off, where no polynomial stands for the model.
+            let [way, other] = [found.deviations[d], found.deviations[1 - d]].map(|deviation| 4.0 * deviation);
+            for end in [best[d] - way, best[d] + way] {
+                let rise = least([best[1 - d] - 1.5 * other, best[1 - d] + 1.5 * other], &mut |value| {
+                    let mut theta = [end; 2];
+                    theta[1 - d] = value;
+                    misfit.rise(&mut shapes, theta).unwrap().unwrap_or(f64::INFINITY)
+                });
+                let root = rise.sqrt();
+                assert!(
+                    (root - 4.0).abs() < 0.4,
+                    "Ca {ca}, a/l {confinement}: {root}, parameter {d}"
+                );
+            }
+        }
+    }
+    assert!(checked > 30, "{checked}");
+    assert!(misfit_outside_is_none(&mut shapes, &grid));
+}
+
+/// Whether there is no misfit where there is no capsule.
+fn misfit_outside_is_none(shapes: &mut Shapes<'_, '_>, grid: &Grid) -> bool {
+    let shape = shapes.at([0.1_f64.ln(), 0.9]).unwrap();
+    let points = contour(&shape, 100, 0.0, || 0.0);
+    let mut room = vec![Point::default(); points.len()];
+    let (_, misfit) = identify_with_misfit(shapes, grid, &measurement(&points), &mut room).unwrap();
+    // Fisher's F with 2 and few degrees of freedom is greater than its limit.
+    assert!(misfit.level(0.95) > 5.992);
+    [[0.1_f64.ln(), 0.3], [3.0_f64.ln(), 0.9]]
+        .iter()
+        .all(|theta| misfit.rise(shapes, *theta).unwrap().is_none())
+}
+
 #[test]
 fn the_direction_of_the_flow_is_found() {
     let model = Model::open(FILE).unwrap();

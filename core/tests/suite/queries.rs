@@ -454,3 +454,31 @@ fn without_outlines_the_lengths_are_those_of_all_nodes() {
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
     }
 }
+
+/// A dent whose deepest point is a node on the axis: its depth is that node's distance from the rearmost ones.
+#[test]
+fn without_outlines_the_depth_of_a_dent_is_that_of_the_node_on_the_axis() {
+    let mut family = Family::new(3);
+    // The mode that moves the rim of the rear forward, turned back and strengthened.
+    let rim = family.modes.get_mut(2).unwrap();
+    rim.iter_mut().for_each(|vector| *vector = vector.map(|x| -16.0 * x));
+    let mut arena = common::Arena::default();
+    let mut contents = family.contents(&mut arena);
+    contents.mesh.node_sets.clear();
+    let file = common::write(&contents);
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f64>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    let query = [0.053, 0.87];
+    evaluator.prepare(&Query::new(query, Method::Direct)).unwrap();
+    let found = evaluator.at(1.5).unwrap().observables().unwrap().rear_depth;
+    let [positions, _] = family.exact(query, 1.5);
+    let pole = (family.sphere.nodes.iter().zip(&positions))
+        .find(|([x, y, z], _)| *x < 0.0 && y.hypot(*z) < 1e-12)
+        .unwrap()
+        .1;
+    let rear = positions.iter().map(|[x, _, _]| *x).fold(f64::MAX, f64::min);
+    let expected = pole[0] - rear;
+    assert!(expected > 0.1, "no dent: {expected}");
+    assert!((found - expected).abs() < 1e-4, "{found} {expected}");
+}

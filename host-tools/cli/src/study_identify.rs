@@ -37,7 +37,8 @@ Example:
 Contours are drawn along outlines of the full-order model at configurations that no sample shares, one point a pixel, \
 100 pixels per l, and identified. In each noisy trial the edge (0.25 px), the scale (0.5 %) and the tilt (0.02) are \
 drawn at random and fitted. The model's own outlines tell whether the intervals and the spread are right where the \
-model is exact.";
+model is exact. Further series have 125, 50 and 25 pixels per l (0.2, 0.5 and 1 um in a channel of 50 um), contours \
+that are found in pictures (blur 1 px, noise 2 % of the contrast), and a half width that is 2 and 5 % too great.";
 
 pub fn run(options: &Options) -> Result<()> {
     let mut outputs = Outputs::default()
@@ -70,6 +71,7 @@ pub fn run(options: &Options) -> Result<()> {
             vec![
                 series.observable.to_owned(),
                 series.name.to_owned(),
+                series.pixels.to_string(),
                 series.trials.to_string(),
                 three(series.ca_percent, 3),
                 format!("{:.3}", series.away_ca_percent[2]),
@@ -85,6 +87,7 @@ pub fn run(options: &Options) -> Result<()> {
     let headings = [
         "outline",
         "series",
+        "px / l",
         "trials",
         "Ca",
         "away",
@@ -97,7 +100,10 @@ pub fn run(options: &Options) -> Result<()> {
     ];
     print::table(&headings, &rows)?;
     for series in &all {
-        println!("{}, {}: {:?}", series.observable, series.name, series.verdicts);
+        println!(
+            "{}, {}, {} px / l: {:?}",
+            series.observable, series.name, series.pixels, series.verdicts
+        );
     }
     Ok(())
 }

@@ -55,10 +55,10 @@ pub enum TextError {
         given: Unit,
     },
     /// No unit is known.
-    #[error("the unit of its numbers is not known: give --unit um, or --pixel-um with the size of a pixel")]
+    #[error("the unit of its numbers is not known: say that it is um, or give the size of a pixel")]
     NoUnit,
     /// Pixels of unknown size.
-    #[error("it is in pixels: give --pixel-um with the size of a pixel")]
+    #[error("it is in pixels: give the size of a pixel")]
     NoScale,
 }
 
@@ -334,8 +334,8 @@ mod tests {
         assert!(error("area,mean,length\n1,2,3\n1,2,3\n").contains("area, mean, length"));
         let contour = parse("1,2\n3,4\n").unwrap();
         let error = |given, pixel| contour.in_um(given, pixel).unwrap_err().to_string();
-        assert!(error(None, None).contains("--unit um"));
-        assert!(error(Some(Unit::Px), None).contains("--pixel-um"));
+        assert!(error(None, None).contains("say that it is um"));
+        assert!(error(Some(Unit::Px), None).contains("size of a pixel"));
         assert_eq!(contour.in_um(None, Some(0.5)).unwrap(), [[0.5, 1.0], [1.5, 2.0]]);
     }
 }

@@ -24,6 +24,12 @@ pub enum StudyError {
     /// A capsule was not identified.
     #[error("a capsule cannot be identified: {0}")]
     Identify(IdentifyError),
+    /// A drawn picture could not be encoded.
+    #[error("a picture cannot be drawn: {0}")]
+    Draw(#[from] image::ImageError),
+    /// No capsule was found in a drawn picture.
+    #[error("no capsule is found in a picture: {0}")]
+    Picture(#[from] capsule_contour::PictureError),
     /// The test set and the model have nothing in common.
     #[error("no configuration of the test set lies in the model's domain, with snapshots at the instants compared")]
     NothingToCompare,

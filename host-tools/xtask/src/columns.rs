@@ -7,8 +7,9 @@ use anyhow::{Context, Result, bail};
 /// The greatest length of a line.
 pub const COLUMNS: usize = 120;
 /// The kinds of files.
-const SOURCES: [&str; 12] = [
-    "*.c", "*.css", "*.h", "*.hpp", "*.html", "*.js", "*.mjs", "*.py", "*.rs", "*.sh", "*.toml", "*.ts",
+const SOURCES: [&str; 15] = [
+    "*.S", "*.c", "*.css", "*.h", "*.hpp", "*.html", "*.js", "*.ld", "*.mjs", "*.py", "*.rs", "*.sh", "*.toml", "*.ts",
+    "*.x",
 ];
 
 /// Fails if a source of the repository has a longer line.

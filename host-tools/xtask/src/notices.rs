@@ -179,6 +179,7 @@ mod tests {
             ("capsule-capi", targets::CORTEX_M),
             ("capsule-capi", targets::CORTEX_M33),
             ("capsule-wasm", targets::WASM),
+            ("capsule-identify-wasm", targets::WASM),
         ] {
             let (tree, notices) = (tree(package, target), of(package, target).unwrap());
             assert!(tree.len() > 8, "{tree:?}");

@@ -1,4 +1,4 @@
-//! The WebAssembly module of the page: cargo, then wasm-bindgen as a library (so that it is always the version of the
+//! The WebAssembly modules of the page: cargo, then wasm-bindgen as a library (so that it is always the version of the
 //! crate), then wasm-opt from the page's npm modules.
 
 use crate::command::{command, run};
@@ -20,23 +20,36 @@ const RUSTC_FEATURES: [&str; 8] = [
     "--enable-simd",
 ];
 
+/// The crates of the modules: the one that every page loads, and the one that it loads when it is asked for.
+const CRATES: [&str; 2] = ["capsule-wasm", "capsule-identify-wasm"];
+
 /// Builds `wasm/explorer/src/wasm/`.
 pub fn build() -> Result<()> {
     setup::bring(&[setup::WASM])?;
-    run(&mut command(&format!(
-        "cargo build --quiet --package capsule-wasm --profile wasm --target {WASM}"
-    )))?;
-    let module = target_directory().join(WASM).join("wasm/capsule_wasm.wasm");
     let folder = root().join("wasm/explorer/src/wasm");
+    let mut texts = Vec::new();
+    for name in CRATES {
+        module(name, &folder)?;
+        texts.push(notices::of(name, WASM)?);
+    }
+    std::fs::write(folder.join(notices::FILE), texts.join("\n"))
+        .with_context(|| format!("could not write {}", notices::FILE))
+}
+
+/// Builds the module of a crate into a folder.
+fn module(name: &str, folder: &Path) -> Result<()> {
+    run(&mut command(&format!(
+        "cargo build --quiet --package {name} --profile wasm --target {WASM}"
+    )))?;
+    let file = name.replace('-', "_");
+    let module = target_directory().join(WASM).join(format!("wasm/{file}.wasm"));
     wasm_bindgen_cli_support::Bindgen::new()
         .input_path(&module)
         .web(true)?
         .typescript(true)
-        .generate(&folder)
+        .generate(folder)
         .with_context(|| format!("wasm-bindgen on {}", module.display()))?;
-    std::fs::write(folder.join(notices::FILE), notices::of("capsule-wasm", WASM)?)
-        .with_context(|| format!("could not write {}", notices::FILE))?;
-    optimise(&folder.join("capsule_wasm_bg.wasm"), "-O3")
+    optimise(&folder.join(format!("{file}_bg.wasm")), "-O3")
 }
 
 /// Optimises a module in place, by these options of wasm-opt.

@@ -2,6 +2,7 @@ import "./style/theme.css";
 import "./style/controls.css";
 import "./style/map.css";
 import "./style/figures.css";
+import "./style/measured.css";
 import "./style/panels.css";
 import "./style/time.css";
 import "./style/layout.css";

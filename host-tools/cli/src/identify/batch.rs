@@ -1,7 +1,5 @@
 //! `capsule-rom identify batch`: the capsules of a table.
 
-use super::answer::Answer;
-use super::bench::Bench;
 use super::given::Given;
 use super::outline;
 use super::population::Population;
@@ -13,6 +11,7 @@ use crate::{interrupt, print, progress};
 use anyhow::{Result, anyhow, bail};
 use capsule_core::Model;
 use capsule_identify::{Grid, Observable};
+use capsule_measurement::{Answer, Bench};
 use clap::Args;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -146,7 +145,9 @@ impl Grids {
                 .iter()
                 .flat_map(|row| &row.given)
                 .any(|given| given.observable() == kind);
-            used.then(|| bench.grid(model, kind)).transpose()
+            used.then(|| bench.grid(model, kind))
+                .transpose()
+                .map_err(anyhow::Error::from)
         };
         Ok(Self {
             midplane: grid(Observable::Midplane)?,
@@ -167,7 +168,9 @@ fn answer(model: &Model<'_>, grids: &Grids, bench: &mut Bench, row: &Row) -> Res
         Observable::Silhouette => &grids.silhouette,
     };
     let grid = grid.as_ref().ok_or_else(|| anyhow!("no starts of its fit"))?;
+    let outline = outline.transpose()?;
+    let request = given.request(&mut warnings)?;
     Ok(bench
-        .identify(model, grid, given, outline.transpose()?.as_ref(), warnings)?
+        .identify(model, grid, &request, outline.as_ref(), warnings)?
         .answer)
 }

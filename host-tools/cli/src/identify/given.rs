@@ -1,9 +1,9 @@
 //! Inputs of a measurement: options of the command, columns of a batch's table.
 
 use anyhow::{Result, bail, ensure};
-use capsule_contour::Axis;
 use capsule_contour::text::Unit;
-use capsule_identify::{Direction, Flow, Lengths, Measured, Observable, Priors, Setup};
+use capsule_identify::{Direction, Flow, Lengths, Measured, Observable, Setup};
+use capsule_measurement::Request;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -181,14 +181,19 @@ impl Given {
         self.channel.is_some()
     }
 
-    /// Priors of a picture's or contour's errors.
-    pub fn priors(&self, pixel_um: f64) -> Priors {
-        let usual = Priors::of_pixel(pixel_um);
-        Priors {
-            edge_um: self.edge_px.map_or(usual.edge_um, |edge| edge * pixel_um),
-            scale: self.scale_error.unwrap_or(usual.scale),
-            ..usual
-        }
+    /// All that is given beside an outline, with warnings in words.
+    pub fn request(&self, warnings: &mut Vec<String>) -> Result<Request> {
+        let (setup, lengths) = self.setup(warnings)?;
+        Ok(Request {
+            observable: self.observable(),
+            setup,
+            lengths,
+            noise_um: self.noise_um,
+            pixel_um: self.pixel_um,
+            edge_px: self.edge_px,
+            scale_error: self.scale_error,
+            exposure_ms: self.exposure_ms,
+        })
     }
 
     /// The kind of the outline.
@@ -223,15 +228,6 @@ impl Given {
             Some(DirectionName::Up) => Direction::Up,
             Some(DirectionName::Down) => Direction::Down,
             Some(DirectionName::Found) | None => Direction::Found,
-        }
-    }
-
-    /// The edge of a picture that the flow is parallel to.
-    pub fn axis(&self) -> Option<Axis> {
-        match self.direction() {
-            Direction::Right | Direction::Left => Some(Axis::Horizontal),
-            Direction::Up | Direction::Down => Some(Axis::Vertical),
-            Direction::Found => None,
         }
     }
 

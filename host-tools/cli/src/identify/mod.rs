@@ -2,10 +2,8 @@
 
 mod answer;
 mod batch;
-mod bench;
 mod given;
 mod outline;
-mod picture;
 mod plot;
 mod population;
 mod records;
@@ -16,8 +14,8 @@ use crate::model::ModelFile;
 use crate::outputs::Outputs;
 use crate::print;
 use anyhow::{Context, Result, ensure};
-use bench::Bench;
 use capsule_identify::MAX_HALF;
+use capsule_measurement::Bench;
 use clap::error::ErrorKind;
 use clap::{Args, Subcommand};
 use given::Given;
@@ -139,14 +137,15 @@ fn one(options: &One) -> Result<()> {
     }
     let mut bench = Bench::new(&model);
     let grid = bench.grid(&model, given.observable())?;
-    let solved = match bench.identify(&model, &grid, given, outline.as_ref(), warnings) {
+    let request = given.request(&mut warnings)?;
+    let solved = match bench.identify(&model, &grid, &request, outline.as_ref(), warnings) {
         Ok(solved) => solved,
         Err(error) => {
             outputs.finish()?;
-            return Err(error);
+            return Err(error.into());
         }
     };
-    for warning in solved.answer.warnings() {
+    for warning in &solved.answer.warnings {
         eprintln!("warning: {warning}");
     }
     if let (Some(file), Some(outline)) = (&options.plot, &outline) {
@@ -160,5 +159,5 @@ fn one(options: &One) -> Result<()> {
     if options.json {
         return print::json(&solved.answer);
     }
-    solved.answer.print()
+    answer::show(&solved.answer)
 }

@@ -1,59 +1,60 @@
-//! The outline of a capsule, from a text file or from a picture.
+//! The file of an outline, with the options of the command.
 
 use super::given::Given;
-use super::picture::{self, Seen};
-use anyhow::{Context, Result, bail};
-use capsule_contour::{Picture, text};
-use capsule_identify::Direction;
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use capsule_contour::Picture;
+use capsule_measurement::{Input, MeasurementError, Outline, Said, is_picture};
 use std::path::Path;
 
-/// Points in order around a capsule.
-pub struct Outline {
-    pub points_um: Vec<[f64; 2]>,
-    /// Size of a pixel, if it is known.
-    pub pixel_um: Option<f64>,
-    pub direction: Direction,
-    /// The outline's origin, in words.
-    pub note: String,
-    /// The picture that it comes from, and all that was found there.
-    pub seen: Option<Seen>,
-}
-
-impl From<Seen> for Outline {
-    fn from(seen: Seen) -> Self {
-        Self {
-            points_um: seen.points_um(),
-            pixel_um: Some(seen.summary.pixel_um),
-            direction: seen.direction,
-            note: seen.note.clone(),
-            seen: Some(seen),
-        }
-    }
-}
-
-/// Reads a file: a picture if it begins like one or is named like one, else a text.
+/// Reads a file: a picture or a text.
 pub fn read(path: &Path, given: &Given, half_width_um: f64, warnings: &mut Vec<String>) -> Result<Outline> {
     let bytes = std::fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
-    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-    let named = ending.is_some_and(|ending| ["png", "jpg", "jpeg", "tif", "tiff"].iter().any(|name| *name == ending));
-    let outline = if named || Picture::is_one(&bytes) {
-        picture::read(&bytes, given, half_width_um, warnings).map(Outline::from)
-    } else {
-        from_text(&bytes, given)
-    };
-    outline.with_context(|| path.display().to_string())
+    from(path, &bytes, given, half_width_um, warnings).with_context(|| path.display().to_string())
 }
 
-fn from_text(bytes: &[u8], given: &Given) -> Result<Outline> {
-    if let Some(option) = given.of_pictures() {
+fn from(path: &Path, bytes: &[u8], given: &Given, half_width_um: f64, warnings: &mut Vec<String>) -> Result<Outline> {
+    let picture = is_picture(path, bytes);
+    if picture {
+        ensure!(
+            given.unit().is_none(),
+            "--unit is for text files, and this is a picture"
+        );
+    } else if let Some(option) = given.of_pictures() {
         bail!("{option} is for pictures, and this is a text");
     }
-    let contour = text::read(bytes)?;
-    Ok(Outline {
-        points_um: contour.in_um(given.unit(), given.pixel_um)?,
+    let background = given.background.as_deref().map(|path| {
+        let bytes = std::fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
+        Picture::read(&bytes).with_context(|| path.display().to_string())
+    });
+    let said = Said {
+        half_width_um,
+        unit: given.unit(),
         pixel_um: given.pixel_um,
         direction: given.direction(),
-        note: contour.format,
-        seen: None,
-    })
+        capsule: given.capsule,
+        edge: given.edge(),
+        background: background.transpose()?,
+    };
+    let outline = Outline::read(path, bytes, &said, warnings).map_err(with_option)?;
+    if picture && !given.says_channel() {
+        warnings.push(
+            "a picture does not tell whether the channel is square, and in a round tube the numbers would be wrong: \
+             say --channel square if it is"
+                .to_owned(),
+        );
+    }
+    Ok(outline)
+}
+
+/// The error with the option that it asks for.
+fn with_option(error: MeasurementError) -> anyhow::Error {
+    let option = error.asks_for().map(|input| match input {
+        Input::Unit => "--unit um or --pixel-um",
+        Input::Pixel => "--pixel-um",
+        Input::Capsule => "--capsule",
+    });
+    match option {
+        Some(option) => anyhow!("{error} ({option})"),
+        None => error.into(),
+    }
 }

@@ -1,8 +1,8 @@
 //! The answers of a batch in a file: a table (CSV) or one JSON object a line, to which rows are added.
 
-use super::answer::Answer;
 use super::rows::Row;
 use anyhow::{Context, Result, bail, ensure};
+use capsule_measurement::Answer;
 use serde_json::{Map, Value};
 use std::fs::{File, OpenOptions};
 use std::io::Write;

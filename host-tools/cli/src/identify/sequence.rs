@@ -1,14 +1,12 @@
 //! `capsule-rom identify --frames`: one capsule from several outlines.
 
-use super::answer::{Ends, ends};
-use super::bench::Bench;
 use super::given::Given;
-use super::outline::Outline;
 use crate::model::digest;
 use crate::print;
 use anyhow::Result;
 use capsule_core::Model;
 use capsule_identify::{Contour, Estimate, Grid, Point, Sequence, SequenceIdentification, identify_sequence};
+use capsule_measurement::{Bench, Ends, Outline, ends};
 use serde::Serialize;
 
 /// A quantity with the ends of its intervals; none where an interval reaches the edge of the domain.
@@ -52,7 +50,7 @@ struct Answer {
 
 /// Identifies the capsule that several outlines show and prints what was found.
 pub fn run(model: &Model<'_>, given: &Given, outlines: &[&Outline], transient: bool, json: bool) -> Result<()> {
-    let (setup, _) = given.setup(&mut Vec::new())?;
+    let request = given.request(&mut Vec::new())?;
     let contours = outlines.iter().map(|outline| Contour {
         points_um: &outline.points_um,
         direction: outline.direction,
@@ -60,11 +58,11 @@ pub fn run(model: &Model<'_>, given: &Given, outlines: &[&Outline], transient: b
     });
     let contours: Vec<_> = contours.collect();
     contours.iter().try_for_each(Contour::crossing)?;
-    let pixel_um = outlines.iter().find_map(|outline| outline.pixel_um);
+    let scaled = outlines.iter().copied().find(|outline| outline.pixel_um.is_some());
     let sequence = Sequence {
-        setup,
+        setup: request.setup,
         contours: &contours,
-        priors: given.priors(pixel_um.unwrap_or(setup.half_width_um / 100.0)),
+        priors: request.priors(request.pixel_um(scaled)),
         steady: !transient,
     };
     let longest = outlines.iter().map(|outline| outline.points_um.len()).max();

@@ -1,6 +1,7 @@
 //! How well a capsule is identified: on outlines of the full-order model that no sample shares, with and without noise,
 //! and on the model's own outlines, whose truth is exact.
 
+mod raster;
 mod trials;
 mod truth;
 
@@ -14,10 +15,14 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::random::Random;
 use trials::{Bench, Known, Trial, by_contour, by_lengths};
-use truth::{Drawing, Truth, normal};
+use truth::{Drawing, HALF_WIDTH_UM, Truth, contour, normal};
 
-/// Pixels per l of the drawn contours.
+/// Pixels per l, unless a series says otherwise.
 const PIXELS: f64 = 100.0;
+/// Pixels per l of the series over the size of a pixel: 0.2, 0.5 and 1 um in a channel of 50 um.
+const COARSER: [f64; 3] = [125.0, 50.0, 25.0];
+/// Noise of the pictures, of the contrast.
+const PICTURE_NOISE: f64 = 0.02;
 /// The seed of all trials.
 const SEED: u64 = 7;
 /// Share by which Ca may be off the border of buckling for a configuration to count as beside it.
@@ -30,6 +35,8 @@ pub struct Series {
     pub observable: &'static str,
     /// The series of trials.
     pub name: &'static str,
+    /// Pixels per l.
+    pub pixels: f64,
     /// Number of trials.
     pub trials: usize,
     /// Errors of Ca, per cent: median, 90 % quantile, greatest.
@@ -62,9 +69,10 @@ pub struct Series {
 }
 
 /// Heading of the table of all trials.
-const HEADING: [&str; 12] = [
+const HEADING: [&str; 13] = [
     "observable",
     "series",
+    "pixels",
     "capillary_number",
     "confinement",
     "found_capillary_number",
@@ -111,7 +119,7 @@ pub fn identify(
                             let deviation_um = plan.noise * plan.drawing(0.0).pixel_um();
                             by_lengths(&mut shapes, &grid, truth, deviation_um, &mut random)
                         }
-                        From::FullOrder | From::Own => {
+                        From::FullOrder | From::Own | From::Picture => {
                             let mut drawing = plan.drawing(plan.noise);
                             if plan.unknown_frame {
                                 drawing.edge = 0.25 * normal(&mut random);
@@ -127,8 +135,11 @@ pub fn identify(
                                 (truth.parameters, truth.outline.clone())
                             };
                             let known = plan.known(&drawing);
-                            let truth = (parameters, outline.as_slice());
-                            by_contour(&mut shapes, &grid, points, truth, &drawing, &known, &mut random)
+                            let drawn = match plan.from {
+                                From::Picture => picture(&outline, &drawing, &mut random)?,
+                                _ => contour(&outline, &drawing, &mut random),
+                            };
+                            by_contour(&mut shapes, &grid, points, parameters, &drawn, &known)
                         }
                     };
                     trials.push(trial?);
@@ -138,8 +149,8 @@ pub fn identify(
                 Observable::Midplane => "midplane",
                 Observable::Silhouette => "silhouette",
             };
-            rows.extend(trials.iter().map(|trial| row(observable, plan.name, trial)));
-            all.push(Series::new(model, observable, plan.name, &trials));
+            rows.extend(trials.iter().map(|trial| row(observable, &plan, trial)));
+            all.push(Series::new(model, observable, &plan, &trials));
         }
     }
     progress("identify", steps, steps);
@@ -159,39 +170,69 @@ enum From {
     FullOrder,
     Own,
     Lengths,
+    /// A picture of the full-order model's outline, in which it is found.
+    Picture,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Plan {
     name: &'static str,
     from: From,
-    /// Noise, in pixels.
+    /// Pixels per l.
+    pixels: f64,
+    /// Noise, in pixels, or of the contrast of a picture.
     noise: f64,
     /// Whether edge, scale and tilt are drawn at random and fitted; else they are exact and known to be.
     unknown_frame: bool,
+    /// By how much the half width that is told is too great, relative.
+    half_width_error: f64,
 }
 
-fn plans() -> [Plan; 6] {
+fn plans() -> Vec<Plan> {
     let plan = |name, from, noise, unknown_frame| Plan {
         name,
         from,
+        pixels: PIXELS,
         noise,
         unknown_frame,
+        half_width_error: 0.0,
     };
-    [
+    let mut plans = vec![
         plan("no noise", From::FullOrder, 0.0, false),
         plan("no noise, frame fitted", From::FullOrder, 0.0, true),
         plan("0.1 px, own outlines", From::Own, 0.1, true),
         plan("0.1 px", From::FullOrder, 0.1, true),
         plan("1 px", From::FullOrder, 1.0, true),
         plan("lengths to 1 px", From::Lengths, 1.0, false),
-    ]
+    ];
+    for pixels in COARSER {
+        for (name, from, noise) in [
+            ("0.1 px", From::FullOrder, 0.1),
+            ("1 px", From::FullOrder, 1.0),
+            ("picture", From::Picture, PICTURE_NOISE),
+        ] {
+            plans.push(Plan {
+                pixels,
+                ..plan(name, from, noise, true)
+            });
+        }
+    }
+    for (name, half_width_error) in [
+        ("0.1 px, half width 2 % too great", 0.02),
+        ("0.1 px, half width 5 % too great", 0.05),
+    ] {
+        plans.push(Plan {
+            half_width_error,
+            ..plan(name, From::FullOrder, 0.1, true)
+        });
+    }
+    plans
 }
 
 impl Plan {
     fn drawing(&self, noise: f64) -> Drawing {
         Drawing {
-            pixels: PIXELS,
+            pixels: self.pixels,
             noise,
             edge: 0.0,
             scale: 0.0,
@@ -211,13 +252,38 @@ impl Plan {
                 // Its own outlines have no error of the model.
                 model: if own { 0.0 } else { 1.0 },
             },
-            noise: own,
+            noise_um: own.then(|| drawing.noise * drawing.pixel_um()),
+            half_width_um: HALF_WIDTH_UM * (1.0 + self.half_width_error),
         }
     }
 }
 
+/// The contour that is found in a picture of an outline, in um.
+fn picture(outline: &[[f64; 2]], drawing: &Drawing, random: &mut Random) -> Result<Vec<[f64; 2]>, StudyError> {
+    // The camera finds the edge itself, so none is added; and it has errors of its own.
+    let placed = Drawing {
+        edge: 0.0,
+        noise: 0.0,
+        ..*drawing
+    };
+    let smooth = contour(
+        outline,
+        &Drawing {
+            pixels: 1000.0,
+            ..placed
+        },
+        random,
+    );
+    let smooth: Vec<[f64; 2]> = smooth.iter().map(|point| point.map(|x| x / HALF_WIDTH_UM)).collect();
+    let found = raster::seen(&smooth, drawing.pixels, drawing.noise, random)?;
+    Ok(found
+        .iter()
+        .map(|point| point.map(|x| x * drawing.pixel_um()))
+        .collect())
+}
+
 impl Series {
-    fn new(model: &Model<'_>, observable: &'static str, name: &'static str, trials: &[Trial]) -> Self {
+    fn new(model: &Model<'_>, observable: &'static str, plan: &Plan, trials: &[Trial]) -> Self {
         let border = model.jump_curve();
         let away = |trial: &&Trial| {
             let [ca, confinement] = trial.truth;
@@ -255,7 +321,8 @@ impl Series {
         }
         Self {
             observable,
-            name,
+            name: plan.name,
+            pixels: plan.pixels,
             trials: trials.len(),
             ca_percent: errors(&mut trials.iter(), 0),
             radius_percent: errors(&mut trials.iter(), 1),
@@ -302,7 +369,7 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.get(place).copied().unwrap_or(0.0)
 }
 
-fn row(observable: &str, name: &str, trial: &Trial) -> Vec<String> {
+fn row(observable: &str, plan: &Plan, trial: &Trial) -> Vec<String> {
     let found = &trial.found;
     let (ca, confinement) = (found.capillary_number, found.confinement);
     let numbers = [
@@ -316,7 +383,7 @@ fn row(observable: &str, name: &str, trial: &Trial) -> Vec<String> {
         confinement.interval_95.high,
         found.structure,
     ];
-    let texts = [observable.to_owned(), name.to_owned()].into_iter();
+    let texts = [observable.to_owned(), plan.name.to_owned(), plan.pixels.to_string()].into_iter();
     let numbers = numbers.iter().map(|number| format!("{number:.6}"));
     texts.chain(numbers).chain([found.verdict.name().to_owned()]).collect()
 }

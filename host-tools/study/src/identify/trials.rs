@@ -8,7 +8,7 @@ use capsule_identify::{
     Point, Priors, Setup, Shapes, Store, identify,
 };
 
-use super::truth::{Drawing, HALF_WIDTH_UM, Truth, contour, normal};
+use super::truth::{HALF_WIDTH_UM, Truth, normal};
 use crate::StudyError;
 use crate::random::Random;
 
@@ -52,8 +52,10 @@ impl Bench {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Known {
     pub(crate) priors: Priors,
-    /// Whether it is told the contour's noise.
-    pub(crate) noise: bool,
+    /// The contour's noise, where it is told.
+    pub(crate) noise_um: Option<f64>,
+    /// Half the channel's side, as it is told.
+    pub(crate) half_width_um: f64,
 }
 
 /// An identification and its truth.
@@ -86,31 +88,29 @@ impl Trial {
     }
 }
 
-fn setup() -> Setup {
+fn setup(half_width_um: f64) -> Setup {
     Setup {
-        half_width_um: HALF_WIDTH_UM,
+        half_width_um,
         flow: Flow::MeanVelocity(5e-3),
         viscosity_pa_s: 0.8,
     }
 }
 
-/// Draws a contour along an outline and identifies it.
+/// Identifies a capsule from a contour, in um.
 pub(crate) fn by_contour(
     shapes: &mut Shapes<'_, '_>,
     grid: &Grid,
     points: &mut [Point],
-    (parameters, outline): ([f64; 2], &[[f64; 2]]),
-    drawing: &Drawing,
+    truth: [f64; 2],
+    drawn: &[[f64; 2]],
     known: &Known,
-    random: &mut Random,
 ) -> Result<Trial, StudyError> {
-    let drawn = contour(outline, drawing, random);
     let measurement = Measurement {
-        setup: setup(),
+        setup: setup(known.half_width_um),
         contour: Some(Contour {
-            points_um: &drawn,
+            points_um: drawn,
             direction: Direction::Right,
-            noise_um: known.noise.then(|| drawing.noise * drawing.pixel_um()),
+            noise_um: known.noise_um,
         }),
         lengths: Lengths::default(),
         priors: known.priors,
@@ -118,7 +118,7 @@ pub(crate) fn by_contour(
     let start = Instant::now();
     let found = identify(shapes, grid, &measurement, points)?;
     Ok(Trial {
-        truth: parameters,
+        truth,
         found,
         seconds: start.elapsed().as_secs_f64(),
     })
@@ -139,7 +139,7 @@ pub(crate) fn by_lengths(
         })
     });
     let measurement = Measurement {
-        setup: setup(),
+        setup: setup(HALF_WIDTH_UM),
         contour: None,
         lengths: Lengths {
             axial_length_um: length,

@@ -98,6 +98,9 @@ pub struct Check {
     pub violations: usize,
     /// The worst case, in words.
     pub worst: String,
+    /// The greatest difference, in per cent of a, where differences are what is checked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greatest_percent: Option<f64>,
 }
 
 impl Check {
@@ -109,6 +112,7 @@ impl Check {
             refused: 0,
             violations: 0,
             worst: String::new(),
+            greatest_percent: None,
         }
     }
 

@@ -48,7 +48,7 @@ fn neighbours<T: Real>(model: &Model, method: Method, bound: f64, pairs: usize) 
     let (mut a, mut b) = (vec![[T::ZERO; 2]; nodes], vec![[T::ZERO; 2]; nodes]);
     let mut random = Random(1);
     let mut check = Check::new(&format!("pairs of random neighbours, {}", name(method)));
-    let mut greatest = (0.0, String::new());
+    let mut greatest = 0.0;
     while check.cases < pairs {
         let query = [
             random.between(ca[0], ca[1]),
@@ -73,17 +73,15 @@ fn neighbours<T: Real>(model: &Model, method: Method, bound: f64, pairs: usize) 
         let place = || format!("Ca = {:.5}, a/l = {:.4}, t = {t:.2}", query[0], query[1]);
         if let Ok(jump) = jump
             && !parted
-            && jump > greatest.0
+            && jump > greatest
         {
-            greatest = (
-                jump,
-                format!("the greatest difference is {:.4} % of a at {}", 100.0 * jump, place()),
-            );
+            greatest = jump;
+            check.worst = format!("the greatest difference is {:.4} % of a at {}", 100.0 * jump, place());
         }
         let right = matches!(jump, Ok(jump) if parted || jump < bound);
         check.count(jump.is_ok(), right, || format!("{}: {jump:?} a", place()));
     }
-    check.worst = greatest.1;
+    check.greatest_percent = Some(100.0 * greatest);
     Ok(check)
 }
 

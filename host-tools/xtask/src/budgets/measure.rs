@@ -18,19 +18,21 @@ const QUERIES: usize = 1001;
 pub fn measure() -> Result<Map<String, Value>> {
     let package = package::folder(targets::CORTEX_M)?;
     let mut figures = Map::new();
-    for line in emulated(&package, "budgets.c", &[])?.lines() {
-        let (name, value) = line
-            .split_once(' ')
-            .ok_or_else(|| anyhow!("unexpected output of the board: {line}"))?;
-        let value: u64 = value
-            .parse()
-            .with_context(|| format!("unexpected output of the board: {line}"))?;
-        let name = if name.ends_with("_instructions") {
-            format!("m4f_{name}")
-        } else {
-            name.to_owned()
-        };
-        figures.insert(name, value.into());
+    for text in [emulated(&package, "budgets.c", &[])?, identification()?] {
+        for line in text.lines().filter(|line| !line.contains("_bits ")) {
+            let (name, value) = line
+                .split_once(' ')
+                .ok_or_else(|| anyhow!("unexpected output of the board: {line}"))?;
+            let value: u64 = value
+                .parse()
+                .with_context(|| format!("unexpected output of the board: {line}"))?;
+            let name = if name.ends_with("_instructions") {
+                format!("m4f_{name}")
+            } else {
+                name.to_owned()
+            };
+            figures.insert(name, value.into());
+        }
     }
     let costs = costs(&package, QUERIES)?;
     let of = |kind: &str| {
@@ -59,22 +61,16 @@ pub fn measure() -> Result<Map<String, Value>> {
     Ok(figures)
 }
 
-/// Prints the median and the maximum of the queries' costs, and their ratio.
+/// Prints the median and the maximum of the queries' costs, and their ratio, as CSV.
 pub fn spread(queries: usize) -> Result<()> {
     let package = package::folder(targets::CORTEX_M)?;
-    println!(
-        "{:<12} {:>8} {:>12} {:>12} {:>6}",
-        "queries", "count", "median", "greatest", "ratio"
-    );
+    println!("queries,count,median,greatest,ratio");
     for (kind, counts) in costs(&package, queries)? {
         let (median, Some(&greatest)) = (median(&counts), counts.last()) else {
             continue;
         };
         let ratio = greatest as f64 / median as f64;
-        println!(
-            "{kind:<12} {:>8} {median:>12} {greatest:>12} {ratio:>6.2}",
-            counts.len()
-        );
+        println!("{kind},{},{median},{greatest},{ratio:.4}", counts.len());
     }
     Ok(())
 }
@@ -120,12 +116,27 @@ fn emulated(package: &Path, source: &str, defines: &[String]) -> Result<String> 
     .arg(root().join("tests/budgets").join(source))
     .args(["lib/libcapsule.a", "-o"])
     .arg(&program))?;
+    on_the_board(&program)
+}
+
+/// Builds the firmware's program that identifies capsules and returns its output.
+fn identification() -> Result<String> {
+    // Where the test `firmware` builds: what both need is compiled once.
+    let target = target_directory().join("tmp/firmware");
+    run(command("cargo build --quiet --release --locked --bin identify")
+        .current_dir(root().join("tests/firmware"))
+        .env("CARGO_TARGET_DIR", &target))?;
+    on_the_board(&target.join(targets::CORTEX_M).join("release/identify"))
+}
+
+/// Runs a program on the emulated board.
+fn on_the_board(program: &Path) -> Result<String> {
     output(
         command(
             "qemu-system-arm -M mps2-an386 -cpu cortex-m4 -icount shift=6 -display none -serial none -monitor none \
              -semihosting-config enable=on,target=native -kernel",
         )
-        .arg(&program),
+        .arg(program),
     )
 }
 

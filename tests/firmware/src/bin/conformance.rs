@@ -32,7 +32,11 @@ fn main() -> ! {
         Ok(asked) => hprintln!("{} passed, {} failed", asked - different, different),
         Err(error) => hprintln!("{}", error),
     }
-    exit(if asked.is_ok() && different == 0 { EXIT_SUCCESS } else { EXIT_FAILURE });
+    exit(if asked.is_ok() && different == 0 {
+        EXIT_SUCCESS
+    } else {
+        EXIT_FAILURE
+    });
     fail()
 }
 

@@ -1,22 +1,26 @@
 import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
-import { fetchModel, loadModule, ModelError, openFile } from "../model/load";
+import { fetchModel, loadModule, ModelError, openFile, read } from "../model/load";
 import { tieHelp } from "../panels/keys";
 import { describe } from "../panels/model-card";
 import { tieParameters } from "../panels/parameters";
 import { TakeAway } from "../panels/take-away";
 import { Tour } from "../panels/tour";
+import { isControl } from "../panels/transport";
 import { Address } from "./address";
 import { button, html, Root } from "./dom";
 import { fromFragment, type Link, toFragment } from "./link";
 import markup from "./markup.html?raw";
-import { DEFAULT_STATE, type State } from "./schema";
+import { DEFAULT_STATE, type State, VIEWS } from "./schema";
 import { fromSession, toSession } from "./session";
 import { Store } from "./store";
 import { Workbench } from "./workbench";
 
 /** The model beside the page. */
 const SHIPPED = "./capsule.crom";
+
+/** Names of files with a measured outline. */
+const OUTLINE = /\.(csv|txt|tsv|dat|png|jpe?g|tiff?)$/i;
 
 /** How an explorer is set up. */
 export interface Options {
@@ -52,7 +56,7 @@ export class Explorer {
     this.#banner = this.root.part("banner", HTMLElement);
     this.root.element.dataset.status = "loading";
     tieParameters(this.root, this.store);
-    this.workbench = new Workbench(this.root, this.store);
+    this.workbench = new Workbench(this.root, this.store, (file) => this.open(file));
     if (ownsAddress) {
       this.#address = new Address(
         this.store,
@@ -65,12 +69,13 @@ export class Explorer {
     new TakeAway(this.root, {
       shown: () => this.workbench.shown,
       link: () => new URL(this.fragment(), window.location.href).href,
-      session: () => toSession(this.fragment()),
+      session: () => toSession(this.fragment(), this.workbench.measured.file),
       picture: () => this.workbench.picture(),
       scale: () => this.workbench.scale(),
       seek: (t) => this.workbench.seek(t),
     });
     this.#takeFiles();
+    this.#takePaste();
     this.#tieCopy();
     const address = new URL(model ?? SHIPPED, window.location.href);
     this.#show(fetchModel(address, model === undefined));
@@ -85,18 +90,43 @@ export class Explorer {
     return toFragment(this.store.state, { isChannel: capsule.has("channel"), digest, file: capsule.file });
   }
 
-  /** Opens a file of the user's: a model, or a saved session. */
+  /** Opens a file of the user's: a model, a measured outline, or a saved session. */
   async open(file: File): Promise<void> {
-    if (!file.name.endsWith(".json")) {
-      await this.#show(openFile(file));
-      return;
-    }
+    if (OUTLINE.test(file.name)) await this.#try(() => this.#measure(file));
+    else if (file.name.endsWith(".json")) await this.#try(() => this.#restore(file));
+    else await this.#show(openFile(file));
+  }
+
+  async #try(task: () => Promise<void>): Promise<void> {
     try {
-      this.#follow(await fromSession(file));
-      this.#resume();
+      await task();
+      if (this.workbench.capsule !== undefined) this.#resume();
     } catch (error) {
       this.#fail(error);
     }
+  }
+
+  async #restore(file: File): Promise<void> {
+    const { link, outline } = await fromSession(file);
+    this.#follow(link);
+    this.workbench.measured.take(outline);
+  }
+
+  /** Takes the outline of a measured capsule. */
+  async #measure(file: File): Promise<void> {
+    if (this.workbench.capsule?.has("channel") === false) {
+      throw new ModelError(
+        `${file.name} is no model, and this model takes no outlines: it is not one of capsules in the channel.`,
+        "Open a .crom file, or a model of capsules in the channel first.",
+      );
+    }
+    const bytes = await read(file, file.name);
+    this.workbench.measured.take({ name: file.name, bytes });
+    const { views } = this.store.state;
+    this.store.set({ views: new Set(VIEWS.filter((view) => view === "measured" || views.has(view))) });
+    const figure = this.root.all<HTMLElement>('figure[data-view="measured"]')[0];
+    // Once it is shown.
+    requestAnimationFrame(() => requestAnimationFrame(() => figure?.scrollIntoView({ block: "nearest" })));
   }
 
   /** Shows a model, or why there is none, unless something else was asked for in the meantime. */
@@ -213,6 +243,17 @@ export class Explorer {
         over(false);
         await openFirst(event.dataTransfer.files);
       }
+    });
+  }
+
+  /** An outline is pasted: a picture, or the text of its points. */
+  #takePaste(): void {
+    this.root.element.addEventListener("paste", async ({ target, clipboardData }) => {
+      if (clipboardData === null || isControl(target)) return;
+      const [file] = clipboardData.files;
+      const text = clipboardData.getData("text/plain");
+      if (file !== undefined) await this.open(file);
+      else if (text !== "") await this.open(new File([text], "pasted.txt"));
     });
   }
 

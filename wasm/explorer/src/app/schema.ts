@@ -11,11 +11,24 @@ export type Method = (typeof METHODS)[number];
 export const FRAMES = ["laboratory", "centroid"] as const;
 export type Frame = (typeof FRAMES)[number];
 
-export const VIEWS = ["solid", "midplane", "diagonal", "transversal", "plots"] as const;
+export const VIEWS = ["solid", "midplane", "diagonal", "transversal", "plots", "measured"] as const;
 export type View = (typeof VIEWS)[number];
 
 export { QUANTITIES };
 export type Quantity = (typeof QUANTITIES)[number];
+
+/** What the map shows as contours. */
+export const LAYERS = ["none", ...QUANTITIES, "misfit"] as const;
+export type Layer = (typeof LAYERS)[number];
+
+/** What is seen of a capsule whose outline was measured. */
+export const OBSERVABLES = ["midplane", "silhouette"] as const;
+
+/** Units of a measured outline's numbers; "named": as its headings say. */
+export const OUTLINE_UNITS = ["named", "um", "px"] as const;
+
+/** Directions of the flow in a measured outline; "found": the one that fits best. */
+export const FLOWS = ["found", "right", "left", "up", "down"] as const;
 
 /** The whole of a model plays in this many seconds at speed 1, as the channel's 20 l/V do. */
 export const PLAY_SECONDS = 20;
@@ -198,6 +211,10 @@ const pins: Field<readonly Pin[]> = {
     value.every(({ parameters: values }) => values.length > 0 && values.every(Number.isFinite)),
 };
 
+/** What is typed of a measurement is no step of the browser's history. */
+const MEASURED = { undo: false, model: "channel" } as const;
+const measured = (key: string) => number(key, 0, (value) => value >= 0, MEASURED);
+
 export const FIELDS = {
   ca,
   confinement,
@@ -222,7 +239,7 @@ export const FIELDS = {
   views,
   pins,
   /** The quantity that the map shows as contours. */
-  layer: oneOf("layer", ["none", ...QUANTITIES], "none", { model: "channel" }),
+  layer: oneOf("layer", LAYERS, "none", { model: "channel" }),
   scale: oneOf("scale", SCALES, "linear", { model: "channel" }),
   samples: flag("samples", true, { model: "channel" }),
   along: oneOf("along", ALONG, "time"),
@@ -231,6 +248,17 @@ export const FIELDS = {
   clip: oneOf("clip", CLIPS, "none"),
   camera: oneOf("camera", CAMERAS, "oblique", { undo: false }),
   dimensions,
+  /** Of the measured outline: half the channel's side in um, mean velocity in mm/s, viscosity in Pa s; 0: not known. */
+  halfWidth: measured("half"),
+  meanVelocity: measured("vel"),
+  viscosity: measured("visc"),
+  /** Size of a pixel in um; 0: not known. */
+  pixel: measured("pixel"),
+  observable: oneOf("seen", OBSERVABLES, "midplane", MEASURED),
+  outlineUnit: oneOf("unit", OUTLINE_UNITS, "named", MEASURED),
+  flow: oneOf("flow", FLOWS, "found", MEASURED),
+  /** Which of several capsules in a picture, from 1; 0: there is one. */
+  nth: { ...measured("nth"), check: (value: number) => Number.isInteger(value) && value >= 0 },
 } as const;
 
 type Value<F> = F extends Field<infer T> ? T : never;

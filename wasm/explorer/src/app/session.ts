@@ -1,30 +1,49 @@
+import type { OutlineFile } from "../identify/measured";
 import { ModelError } from "../model/load";
+import { fromBase64, toBase64 } from "./base64";
 
 const FORMAT = "capsule-explorer-session";
 
-/** A saved session: what a link says, in a file. */
-export function toSession(link: string): string {
-  return `${JSON.stringify({ format: FORMAT, version: 1, link }, null, 2)}\n`;
+/** What a saved session holds. */
+interface Session {
+  readonly format: string;
+  readonly version: number;
+  readonly link: string;
+  /** The measured outline's file, its bytes in base 64. */
+  readonly outline?: { readonly name: string; readonly base64: string };
 }
 
-/** The link that a saved session holds; throws a `ModelError`. */
-export async function fromSession(file: File): Promise<string> {
-  let content: unknown;
+/** A saved session: what a link says, and the measured outline, in a file. */
+export function toSession(link: string, outline: OutlineFile | undefined): string {
+  const session: Session = {
+    format: FORMAT,
+    version: 1,
+    link,
+    ...(outline === undefined ? {} : { outline: { name: outline.name, base64: toBase64(outline.bytes) } }),
+  };
+  return `${JSON.stringify(session, null, 2)}\n`;
+}
+
+/** The link and the outline that a saved session holds; throws a `ModelError`. */
+export async function fromSession(file: File): Promise<{ link: string; outline: OutlineFile | undefined }> {
   try {
-    content = JSON.parse(await file.text());
+    const content: unknown = JSON.parse(await file.text());
+    if (isSession(content)) {
+      const { link, outline } = content;
+      return { link, outline: outline && { name: outline.name, bytes: fromBase64(outline.base64) } };
+    }
   } catch {
-    content = undefined;
+    // Said below.
   }
-  const isSession = (value: unknown): value is { format: string; link: string } =>
-    typeof value === "object" &&
-    value !== null &&
-    "format" in value &&
-    value.format === FORMAT &&
-    "link" in value &&
-    typeof value.link === "string";
-  if (isSession(content)) return content.link;
   throw new ModelError(
     `${file.name} is not a session that can be read.`,
     "Open a file that Export, Session saved on this page, or a .crom model.",
   );
+}
+
+function isSession(value: unknown): value is Session {
+  const { format, link, outline } = Object(value);
+  const { name, base64 } = outline ?? { name: "", base64: "" };
+  const isText = [link, name, base64].every((item) => typeof item === "string");
+  return format === FORMAT && isText;
 }

@@ -1,3 +1,4 @@
+import type { Measured } from "../identify/measured";
 import type { Capsule } from "../model/capsule";
 import { type ErrorMeaning, errorMeaning } from "../model/errors";
 import { physicalUnits } from "../model/units";
@@ -21,10 +22,11 @@ export class Workbench {
   #frame = 0;
   #lastFrame = 0;
 
-  constructor(root: Root, store: Store) {
+  /** `open` takes a file of the user's. */
+  constructor(root: Root, store: Store, open: (file: File) => void) {
     this.#root = root;
     this.#store = store;
-    this.#parts = makeParts(root, store, new Jobs(), () => this.#request());
+    this.#parts = makeParts(root, store, new Jobs(), () => this.#request(), open);
     const figure = (view: View) => [view, root.all<HTMLElement>(`figure[data-view="${view}"]`)[0]] as const;
     this.#figures = new Map(VIEWS.map(figure).filter((pair): pair is [View, HTMLElement] => pair[1] !== undefined));
     this.#visible = new Visibility(this.#figures.values(), () => this.#request());
@@ -66,6 +68,11 @@ export class Workbench {
   /** The scale of its colours; undefined where it has none. */
   scale(): SVGSVGElement | undefined {
     return this.#parts.solid.scale;
+  }
+
+  /** The measured outline. */
+  get measured(): Measured {
+    return this.#parts.measured;
   }
 
   get capsule(): Capsule | undefined {

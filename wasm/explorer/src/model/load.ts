@@ -34,19 +34,18 @@ let module: Promise<unknown> | undefined;
 
 /** Opens a file of the user's; throws a `ModelError`. A file that is no model is not read beyond its header. */
 export async function openFile(file: File): Promise<Capsule> {
-  const read = async (part: Blob) => {
-    try {
-      return new Uint8Array(await part.arrayBuffer());
-    } catch (error) {
-      throw new ModelError(
-        `${file.name} could not be read: ${text(error)}.`,
-        "Open a .crom file, not a folder, that you may read.",
-      );
-    }
-  };
-  check(await read(file.slice(0, HEADER)), file.size, file.name);
-  const [bytes] = await Promise.all([read(file), loadModule()]);
+  check(await read(file.slice(0, HEADER), file.name), file.size, file.name);
+  const [bytes] = await Promise.all([read(file, file.name), loadModule()]);
   return open(bytes, file.name, file.name);
+}
+
+/** The bytes of a file of the user's, or of a part of it; throws a `ModelError`. */
+export async function read(part: Blob, name: string): Promise<Uint8Array> {
+  try {
+    return new Uint8Array(await part.arrayBuffer());
+  } catch (error) {
+    throw new ModelError(`${name} could not be read: ${text(error)}.`, "Open a file, not a folder, that you may read.");
+  }
 }
 
 /** Fetches a model while the module loads; throws a `ModelError`. */

@@ -1,7 +1,9 @@
 import { html, type Root } from "../app/dom";
 import type { Jobs } from "../app/jobs";
-import { QUANTITIES, SCALES, type Scale } from "../app/schema";
+import { LAYERS, type Layer, SCALES, type Scale } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Measured } from "../identify/measured";
+import { MISFIT_UNIT } from "../identify/misfit-grid";
 import type { Need } from "../model/capsule";
 import { ERRORS, PRESENTATION, unitOf } from "../model/quantities";
 import type { ParameterMap } from "../views/map";
@@ -17,6 +19,7 @@ const REST_MS = 150;
 export class MapChoices implements ViewPart {
   readonly needs: readonly Need[] = ["channel"];
   readonly #map: ParameterMap;
+  readonly #measured: Measured;
   readonly #layer: MapLayer;
   readonly #quantity: HTMLSelectElement;
   readonly #scale: HTMLSelectElement;
@@ -24,22 +27,18 @@ export class MapChoices implements ViewPart {
   readonly #legend: HTMLElement;
   #resting = 0;
 
-  constructor(root: Root, store: Store, map: ParameterMap, jobs: Jobs, redraw: () => void) {
+  constructor(root: Root, store: Store, map: ParameterMap, measured: Measured, jobs: Jobs, redraw: () => void) {
     this.#map = map;
+    this.#measured = measured;
     this.#layer = new MapLayer(jobs, "layer", redraw);
     this.#quantity = root.part("layer", HTMLSelectElement);
     this.#scale = root.part("scale", HTMLSelectElement);
     this.#samples = root.part("samples", HTMLInputElement);
     this.#legend = root.part("map-legend", HTMLElement);
-    const layers = ["none", ...QUANTITIES] as const;
-    this.#quantity.append(
-      ...layers.map((value) =>
-        html("option", { value, textContent: value === "none" ? "No contours" : PRESENTATION[value].name }),
-      ),
-    );
+    this.#quantity.append(...LAYERS.map((value) => html("option", { value, textContent: layerName(value) })));
     this.#scale.append(...SCALES.map((value) => html("option", { value, textContent: SCALE_NAMES[value] })));
     this.#quantity.addEventListener("change", () => {
-      const layer = layers.find((value) => value === this.#quantity.value);
+      const layer = LAYERS.find((value) => value === this.#quantity.value);
       if (layer !== undefined) store.set({ layer });
     });
     this.#scale.addEventListener("change", () => {
@@ -55,9 +54,9 @@ export class MapChoices implements ViewPart {
     this.#samples.checked = state.samples;
     window.clearTimeout(this.#resting);
     const { layer, method, t } = state;
-    if (layer === "none" || !capsule.has("channel")) {
+    if (layer === "none" || layer === "misfit" || !capsule.has("channel")) {
       this.#layer.ask(capsule, undefined, units);
-      this.#legend.textContent = "";
+      this.#legend.textContent = layer === "misfit" ? this.#ofMisfit() : "";
     } else if (!state.playing) {
       this.#resting = window.setTimeout(() => this.#layer.ask(capsule, { quantity: layer, method, t }, units), REST_MS);
       const against = ERRORS.has(layer) ? ` ${errors.against}` : "";
@@ -65,6 +64,18 @@ export class MapChoices implements ViewPart {
       const name = `${PRESENTATION[layer].name} at t = ${at}`;
       this.#legend.textContent = `Contours: ${name}, in ${unitOf(layer, units).name}${against}`;
     }
-    this.#map.contours = this.#layer.contours;
+    this.#map.contours = layer === "misfit" ? this.#measured.layer : this.#layer.contours;
   }
+
+  #ofMisfit(): string {
+    const { found, share } = this.#measured;
+    if (found === undefined) return "No outline is identified yet";
+    const known = share === 1 ? "" : `, ${Math.round(100 * share)} % computed`;
+    return `Contours: misfit of the measured outline, in ${MISFIT_UNIT}${known}; regions of 68 and 95 %`;
+  }
+}
+
+function layerName(layer: Layer): string {
+  if (layer === "none") return "No contours";
+  return layer === "misfit" ? "Misfit" : PRESENTATION[layer].name;
 }

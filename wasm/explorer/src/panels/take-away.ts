@@ -6,6 +6,7 @@ import { toCsv, toJson } from "../export/numbers";
 import { toObj } from "../export/obj";
 import { footer, provenance } from "../export/provenance";
 import { type ReportFigure, toReport } from "../export/report";
+import { save } from "../export/save";
 import { toStl } from "../export/stl";
 import { toVtp } from "../export/vtp";
 import { type Answer, text } from "../model/answer";
@@ -203,9 +204,7 @@ export class TakeAway {
   /** Gives a file to the browser to save. Its name says the model. */
   #save(name: string, extension: string, content: BlobPart): void {
     const digest = this.#source.shown()?.[1].capsule.model.digest ?? "";
-    const address = URL.createObjectURL(content instanceof Blob ? content : new Blob([content]));
-    html("a", { href: address, download: `capsule-${name}-${digest}.${extension}` }).click();
-    window.setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    save(`capsule-${name}-${digest}.${extension}`, content);
   }
 }
 

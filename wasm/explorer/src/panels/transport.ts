@@ -11,6 +11,7 @@ const VIEW_NAMES: Record<View, string> = {
   diagonal: "y = z",
   transversal: "x = c",
   plots: "Plots",
+  measured: "Outline",
 };
 /** The plane of the transversal section can be moved at least this far from the centroid. */
 const LEAST_REACH = 1.5;

@@ -1,7 +1,9 @@
 import type { Root } from "../app/dom";
+import type { Measured } from "../identify/measured";
+import type { Found } from "../identify/protocol";
 import type { Outline } from "../model/answer";
 import type { Need } from "../model/capsule";
-import { hatch, label, onResize, set, smoothLoop, svg, tidy } from "./svg";
+import { hatch, label, onResize, path, set, smoothLoop, svg, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 /** Half of what is seen across the channel: the same in both sections, so that they are drawn to one scale. */
@@ -21,6 +23,8 @@ export class Longitudinal implements ViewPart {
   readonly #initial: SVGPathElement;
   readonly #band: SVGPathElement;
   readonly #membrane: SVGPathElement;
+  readonly #points: SVGPathElement;
+  readonly #picture: SVGGElement;
   readonly #plane: SVGLineElement;
   readonly #ticks: SVGGElement;
   readonly #axis: SVGGElement;
@@ -34,8 +38,15 @@ export class Longitudinal implements ViewPart {
   /** The whole x that the ticks begin at, and all else that they depend on. */
   #ticked = "";
   #drawn: readonly [readonly Trace[], Context] | undefined;
+  readonly #measured: Measured | undefined;
+  readonly #key: HTMLElement;
+  /** The measured outline that is drawn, and the scale that it is drawn in. */
+  #traced: readonly [Found | undefined, number] = [undefined, 0];
 
-  constructor(root: Root, outline: Outline, onSection: (offset: number) => void) {
+  /** `measured` is drawn over the section. */
+  constructor(root: Root, outline: Outline, onSection: (offset: number) => void, measured?: Measured) {
+    this.#measured = measured;
+    this.#key = root.part("measured-key", HTMLElement);
     const stage = root.part(outline, HTMLElement);
     this.#outline = outline;
     this.#wall = outline === "midplane" ? 1 : Math.SQRT2;
@@ -50,10 +61,12 @@ export class Longitudinal implements ViewPart {
     for (let i = 0; i < 2; i++) {
       this.#walls.push(svg("rect", { fill, class: "outside" }, plot), svg("line", { class: "wall" }, plot));
     }
+    this.#picture = svg("g", {}, plot);
     this.#shapes = svg("g", {}, plot);
     this.#initial = svg("path", { class: "initial" }, plot);
     this.#band = svg("path", { class: "band" }, plot);
     this.#membrane = svg("path", { class: "membrane" }, plot);
+    this.#points = svg("path", { class: "measured-outline" }, plot);
     this.#plane = svg("line", { class: "cut" }, plot);
     this.#axis = svg("g", { class: "axis" }, this.#svg);
     this.#ticks = svg("g", { class: "axis" }, this.#svg);
@@ -151,6 +164,7 @@ export class Longitudinal implements ViewPart {
       const cut = context.shows("transversal") ? toX((laboratory ? answer.centroid : 0) + state.section) : AWAY;
       set(this.#plane, { x1: cut, x2: cut, y1: this.#toY(this.#wall), y2: this.#toY(-this.#wall) });
     }
+    this.#drawMeasured(answer === undefined ? AWAY : toX(laboratory ? answer.centroid : 0));
     this.#shapes.replaceChildren(
       ...pinned.flatMap(({ name, answer: pin }) =>
         pin === undefined
@@ -159,6 +173,37 @@ export class Longitudinal implements ViewPart {
       ),
     );
     this.#drawTicks(visible, context, laboratory);
+  }
+
+  /** The measured outline and its picture, with the centroid that it was fitted to at a place of the drawing. */
+  #drawMeasured(x: number): void {
+    if (this.#measured === undefined) return;
+    const { found, address } = this.#measured;
+    this.#key.hidden = found === undefined;
+    if (found !== this.#traced[0] || this.#scale !== this.#traced[1]) {
+      this.#traced = [found, this.#scale];
+      const points = found?.contour.flat() ?? [];
+      set(this.#points, {
+        d: path(
+          points,
+          (along) => along * this.#scale,
+          (_, r) => -r * this.#scale,
+        ),
+      });
+      this.#picture.replaceChildren();
+      if (found?.picture !== undefined && address !== undefined) this.#place(found.picture, address);
+    }
+    const away = x === AWAY ? -1e4 : x;
+    for (const part of [this.#points, this.#picture]) {
+      part.setAttribute("transform", `translate(${away.toFixed(2)} ${this.#toY(0).toFixed(2)})`);
+    }
+  }
+
+  /** Lays a picture over the section: its pixels where the fit has them. */
+  #place({ size: [width, height], corner, ways }: NonNullable<Found["picture"]>, href: string): void {
+    const pixels = [...ways, corner].flatMap(([x, r]) => [x * this.#scale, -r * this.#scale]);
+    const image = svg("image", { href, class: "measured-picture" }, this.#picture);
+    set(image, { width, height, preserveAspectRatio: "none", transform: `matrix(${pixels.join(" ")})` });
   }
 
   /** Ticks at whole x. They move with the window, and are made anew when a whole x enters or leaves. */

@@ -1,8 +1,11 @@
 import type { Root } from "../app/dom";
 import type { Scale } from "../app/schema";
+import type { Measured } from "../identify/measured";
+import { writtenMisfit } from "../identify/misfit-grid";
 import type { Capsule, Need } from "../model/capsule";
 import { measure } from "../model/quantities";
 import type { Unit } from "../model/units";
+import { drawBest, drawRegion } from "./fit-drawing";
 import { AXES, between, clamp, holds, type Point, rounded, type Span, short } from "./map-geometry";
 import type { Contour } from "./map-layer";
 import { hatch, label, onResize, set, svg, ticks, tidy } from "./svg";
@@ -46,6 +49,8 @@ export class ParameterMap implements ViewPart {
   readonly #ground: SVGGElement;
   readonly #layer: SVGGElement;
   readonly #pins: SVGGElement;
+  readonly #answer: SVGGElement;
+  readonly #measured: Measured;
   readonly #hint: SVGTextElement;
   readonly #guides: SVGPathElement;
   readonly #handle: SVGCircleElement;
@@ -59,6 +64,8 @@ export class ParameterMap implements ViewPart {
   #width = 0;
   #height = 0;
   #tell: ((point: Point) => string) | undefined;
+  /** Where the mouse is. */
+  #hovered: Point | undefined;
   #traces: readonly Trace[] = [];
   #contoured: readonly Contour[] | undefined;
   #point: Point = { ca: 0, confinement: 0 };
@@ -68,7 +75,8 @@ export class ParameterMap implements ViewPart {
   /** Contours of the layer, which another part computes. */
   contours: readonly Contour[] = [];
 
-  constructor(root: Root, onChoice: (point: Point) => void) {
+  constructor(root: Root, measured: Measured, onChoice: (point: Point) => void) {
+    this.#measured = measured;
     const stage = root.part("map", HTMLElement);
     this.#onChoice = onChoice;
     this.#svg = svg("svg");
@@ -79,6 +87,7 @@ export class ParameterMap implements ViewPart {
     this.#jumpId = root.id("jump-border");
     this.#ground = svg("g", { class: "axis" }, this.#svg);
     this.#layer = svg("g", { class: "layer" }, this.#svg);
+    this.#answer = svg("g", { class: "answer" }, this.#svg);
     this.#guides = svg("path", { class: "guide", fill: "none" }, this.#svg);
     this.#hint = svg("text", { class: "region hint" }, this.#svg);
     const surface = svg(
@@ -111,6 +120,7 @@ export class ParameterMap implements ViewPart {
     }
     surface.addEventListener("pointermove", (event) => this.#preview(event));
     surface.addEventListener("pointerleave", () => {
+      this.#hovered = undefined;
       this.#hint.textContent = "";
     });
     surface.addEventListener("click", (event) => this.#choose(event));
@@ -128,6 +138,9 @@ export class ParameterMap implements ViewPart {
     this.#point = state;
     this.#traces = traces;
     this.#tell = ({ ca, confinement }) => {
+      if (state.layer === "misfit" && this.#measured.found !== undefined) {
+        return writtenMisfit(this.#measured.misfit({ ca, confinement }));
+      }
       const [value = Number.NaN] = capsule.grid(
         "hover",
         state.trace,
@@ -172,8 +185,10 @@ export class ParameterMap implements ViewPart {
     set(this.#guides, { d: `M${INSET.left} ${y}H${x}V${this.#height - INSET.bottom}` });
     set(this.#handle, {
       "aria-valuenow": String(clamp(this.#point.ca, ...this.#caSpan)),
-      "aria-valuetext": `Ca ${short(this.#point.ca)}, a/l ${short(this.#point.confinement)}`,
+      "aria-valuetext": `Ca ${short(this.#point.ca)}, a/l ${short(this.#point.confinement)}${this.#misfit()}`,
     });
+    this.#drawAnswer();
+    this.#writeHint();
     const pins = this.#traces.flatMap(({ name, query }): Element[] => {
       if (name === "live") return [];
       const [ca = 0, confinement = 0] = query.parameters;
@@ -183,6 +198,30 @@ export class ParameterMap implements ViewPart {
     });
     this.#pins.replaceChildren(...pins);
     this.#drawLayer();
+  }
+
+  /** The misfit of the chosen point, for its name. */
+  #misfit(): string {
+    return this.#measured.found === undefined ? "" : `, ${writtenMisfit(this.#measured.misfit(this.#point))}`;
+  }
+
+  /** The capsule that fits the measured outline best, with its regions and its verdict. */
+  #drawAnswer(): void {
+    const { found, regions } = this.#measured;
+    this.#answer.replaceChildren();
+    if (found === undefined) return;
+    const { ca, confinement, verdict, alternative } = found.answer;
+    for (const region of regions) drawRegion(this.#answer, region, this.#toX, this.#toY);
+    if (alternative !== undefined) drawBest(this.#answer, alternative, this.#toX, this.#toY);
+    drawBest(this.#answer, { ca, confinement }, this.#toX, this.#toY);
+    const [x, y] = [this.#toX(ca), this.#toY(confinement)];
+    const isRight = x > this.#width / 2;
+    const text = svg(
+      "text",
+      { class: "region", x: x + (isRight ? -9 : 9), y: y - 9, "text-anchor": isRight ? "end" : "start" },
+      this.#answer,
+    );
+    written(text, `best fit: ${verdict}`);
   }
 
   /** The regions above the levels of the layer, laid over one another, each with its level on its longest ring. */
@@ -330,8 +369,14 @@ export class ParameterMap implements ViewPart {
   /** The parameters below the mouse, and the chosen read-out there: what a click would give. */
   #preview(event: PointerEvent): void {
     if (event.pointerType !== "mouse" || event.buttons !== 0 || this.#tell === undefined) return;
-    const point = this.#at(event);
+    this.#hovered = this.#at(event);
     set(this.#hint, { x: INSET.left + 6, y: this.#height - INSET.bottom - 6 });
+    this.#writeHint();
+  }
+
+  #writeHint(): void {
+    const point = this.#hovered;
+    if (point === undefined || this.#tell === undefined) return;
     this.#hint.textContent = `Ca ${short(point.ca)}, a/ℓ ${short(point.confinement)}: ${this.#tell(point)}`;
   }
 

@@ -2,9 +2,11 @@ import type { Root } from "../app/dom";
 import type { Jobs } from "../app/jobs";
 import type { View } from "../app/schema";
 import type { Store } from "../app/store";
+import { Measured } from "../identify/measured";
 import { Calculator } from "../panels/calculator";
 import { Compare } from "../panels/compare";
 import { MapChoices } from "../panels/map-choices";
+import { MeasuredView } from "../panels/measured";
 import { Notice } from "../panels/notice";
 import { Readouts } from "../panels/readouts";
 import { ParameterSliders } from "../panels/sliders";
@@ -28,27 +30,32 @@ export interface Parts {
   readonly courses: Courses;
   /** The space view, for what only it can do. */
   readonly solid: SolidView;
+  readonly measured: Measured;
 }
 
-/** Makes the parts of an explorer. `redraw` asks for another frame. */
-export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => void): Parts {
+/** Makes the parts of an explorer. `redraw` asks for another frame; `open` takes a file of the user's. */
+export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => void, open: (file: File) => void): Parts {
+  const measured = new Measured(redraw);
   const courses = new Courses(jobs, redraw);
   const onSection = (section: number) => store.set({ section: Math.min(5, Math.max(-5, section)) });
   const solid = new SolidView(root, store);
-  const map = new ParameterMap(root, (point) => store.set({ ...point, extrapolate: false }));
+  const map = new ParameterMap(root, measured, (point) => store.set({ ...point, extrapolate: false }));
   return {
     courses,
     solid,
+    measured,
     views: {
       solid,
-      midplane: new Longitudinal(root, "midplane", onSection),
+      midplane: new Longitudinal(root, "midplane", onSection, measured),
       diagonal: new Longitudinal(root, "diagonal", onSection),
       transversal: new Transversal(root),
       plots: new Plots(root, store, courses),
+      measured: new MeasuredView(root, store, measured, open),
     },
     panels: [
+      measured,
       new ParameterSliders(root, (parameters) => store.set({ parameters, extrapolate: false })),
-      new MapChoices(root, store, map, jobs, redraw),
+      new MapChoices(root, store, map, measured, jobs, redraw),
       map,
       new Notice(root, store),
       new Readouts(root, (trace) => store.set({ trace })),
