@@ -11,6 +11,8 @@ import { explorer, openModel, otherModel, predict, predictFields, settled } from
 // A small picture, since an emulated graphics card draws it.
 const { open, onPage } = explorer({ viewport: { width: 720, height: 560 } });
 const SOLID = "&views=solid";
+/** Without the bars, one of which would lie over a part of the picture. */
+const ALONE = "?controls=none";
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const rendered = (page) => page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
@@ -192,33 +194,37 @@ describe("the colours", () => {
 });
 
 describe("the picture", () => {
-  onPage("is seen from places that buttons and keys go to, z upwards", `#ca=0.1&al=0.9&t=3${SOLID}`, async (page) => {
-    await rendered(page);
-    const canvas = page.locator("#solid canvas");
-    const picture = async () => {
-      await settled(page);
-      // Without the mark of what has the focus.
-      await page.evaluate(() => document.activeElement.blur());
-      return canvas.screenshot();
-    };
-    const oblique = await picture();
-    await page.keyboard.press("2");
-    const side = await picture();
-    assert.equal((await state(page)).camera, "side");
-    await page.getByRole("button", { name: "Front" }).click();
-    const front = await picture();
-    assert.ok(!side.equals(oblique) && !front.equals(side) && !front.equals(oblique));
-    await page.keyboard.press("2");
-    assert.ok(side.equals(await picture()), "the same place gives the same picture");
-    // Turned by hand, the same button leads back.
-    await canvas.focus();
-    await page.keyboard.press("ArrowLeft");
-    assert.ok(!side.equals(await picture()));
-    await page.getByRole("button", { name: "Side" }).click();
-    assert.ok(side.equals(await picture()));
-  });
+  onPage(
+    "is seen from places that buttons and keys go to, z upwards",
+    `${ALONE}#ca=0.1&al=0.9&t=3${SOLID}`,
+    async (page) => {
+      await rendered(page);
+      const canvas = page.locator("#solid canvas");
+      const picture = async () => {
+        await settled(page);
+        // Without the mark of what has the focus.
+        await page.evaluate(() => document.activeElement.blur());
+        return canvas.screenshot();
+      };
+      const oblique = await picture();
+      await page.keyboard.press("2");
+      const side = await picture();
+      assert.equal((await state(page)).camera, "side");
+      await page.getByRole("button", { name: "Front" }).click();
+      const front = await picture();
+      assert.ok(!side.equals(oblique) && !front.equals(side) && !front.equals(oblique));
+      await page.keyboard.press("2");
+      assert.ok(side.equals(await picture()), "the same place gives the same picture");
+      // Turned by hand, the same button leads back.
+      await canvas.focus();
+      await page.keyboard.press("ArrowLeft");
+      assert.ok(!side.equals(await picture()));
+      await page.getByRole("button", { name: "Side" }).click();
+      assert.ok(side.equals(await picture()));
+    },
+  );
 
-  onPage("is cut open by a plane", `#ca=0.1&al=0.9&t=3&camera=front${SOLID}`, async (page) => {
+  onPage("is cut open by a plane", `${ALONE}#ca=0.1&al=0.9&t=3&camera=front${SOLID}`, async (page) => {
     await rendered(page);
     /** Shares of the pixels of the lower and of the upper half that are not as in the whole picture. */
     const changes = (before, after) =>
