@@ -23,6 +23,11 @@ const SITUATIONS = {
   "compared, plotted and mapped": [`${EVERYTHING}&dims=100,1,10`, { colorScheme: "light" }],
   "compared, plotted and mapped, dark": [EVERYTHING, { colorScheme: "dark" }],
   "compared, plotted and mapped, phone": [EVERYTHING, { viewport: { width: 390, height: 844 }, colorScheme: "dark" }],
+  "coloured in space": ["#views=solid&colour=tension_1&clip=y", { viewport: { width: 720, height: 560 } }],
+  "coloured in space, dark": [
+    "#views=solid&colour=load",
+    { viewport: { width: 390, height: 844 }, colorScheme: "dark" },
+  ],
   "a link of another model": ["#m=01234567&file=own.crom&ca=0.1&al=0.9", { colorScheme: "dark" }],
   "no outline yet": ["#views=midplane.measured", { colorScheme: "light" }],
   "missing model": ["?model=./nothing.crom", { viewport: { width: 1440, height: 900 } }],

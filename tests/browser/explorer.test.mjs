@@ -365,7 +365,8 @@ describe("without", () => {
     try {
       const { page } = await openPage(plain, url());
       assert.equal(await page.getAttribute("body", "data-status"), "ready");
-      assert.match(await page.innerText("#solid"), /WebGL/);
+      // The view's program is loaded when it is first drawn.
+      assert.match(await page.innerText("#solid .missing"), /WebGL/);
       assert.equal(Object.keys(await figures(page)).length, QUANTITIES.length);
       assert.ok((await page.getAttribute("#midplane .membrane", "d")).length > 100);
     } finally {

@@ -157,7 +157,7 @@ describe("numbers", () => {
 
   onPage("that are none are refused by the page's interface", `#t=1${FLAT}`, async (page) => {
     const refusals = await page.evaluate(() =>
-      [{ t: Number.NaN }, { ca: "0.1" }, { method: "magic" }, { colour: 1 }].map((patch) => {
+      [{ t: Number.NaN }, { ca: "0.1" }, { method: "magic" }, { taste: 1 }].map((patch) => {
         try {
           window.capsuleExplorer.set(patch);
           return "taken";
@@ -171,7 +171,7 @@ describe("numbers", () => {
       "0.1 is no value of ca",
       "magic is no value of method",
     ]);
-    assert.match(refusals[3], /no field colour/);
+    assert.match(refusals[3], /no field taste/);
     assert.equal((await state(page)).t, 1);
   });
 

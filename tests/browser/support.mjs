@@ -2,9 +2,10 @@
 
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
-import { resolve } from "node:path";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { chromium } from "playwright-core";
 
@@ -40,9 +41,10 @@ export const FLAT = "&views=midplane.diagonal.transversal";
 
 /**
  * A server and a browser for the tests of one file. `open` opens the page at an address relative to the server's;
- * `onPage` defines a test that drives a fresh page, and fails if the console reports an error.
+ * `onPage` defines a test that drives a fresh page, and fails if the console reports an error. The options of
+ * `openPage` may be given for all.
  */
-export function explorer() {
+export function explorer(standard = {}) {
   let browser;
   let server;
   before(async () => {
@@ -53,7 +55,7 @@ export function explorer() {
     await browser?.close();
     server?.stop();
   });
-  const open = (address = "", options = {}) => openPage(browser, server.url + address, options);
+  const open = (address = "", options = {}) => openPage(browser, server.url + address, { ...standard, ...options });
   const onPage = (name, address, drive, options) =>
     test(name, async () => {
       const { page, errors, close } = await open(address, options);
@@ -120,9 +122,16 @@ function freePort() {
   });
 }
 
-/** Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. */
+/**
+ * Opens the page and waits until it is ready or has failed; `errors` gathers the errors on the console. The options are
+ * those of a context, `isKept`: whether the browser may keep the page for use without a network, and `before`: what
+ * runs in it before its own program.
+ */
 export async function openPage(browser, address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  // A page that is kept by the browser would ask neither the server nor the routes of a test.
+  if (options.before) await context.addInitScript(options.before);
+  if (!options.isKept) await context.addInitScript(() => delete Navigator.prototype.serviceWorker);
   const page = await context.newPage();
   const errors = [];
   page.on("pageerror", (error) => errors.push(String(error)));
@@ -162,6 +171,21 @@ export function predict(ca, confinement, times, method, extrapolate = false) {
   const query = ["--ca", ca, "--confinement", confinement, "--t", times.join(","), "--method", method];
   if (extrapolate) query.push("--extrapolate");
   return JSON.parse(capsuleRom(["predict", ...query, "--model", MODEL, "--json"]));
+}
+
+/** The native core's fields at the nodes, a column of numbers by name: the CSV of `capsule-rom predict --fields`. */
+export function predictFields(ca, confinement, t, method) {
+  const folder = mkdtempSync(join(tmpdir(), "capsule-"));
+  try {
+    const file = join(folder, "fields.csv");
+    const query = ["--ca", ca, "--confinement", confinement, "--t", t, "--method", method, "--model", MODEL];
+    capsuleRom(["predict", ...query, "--fields", "all", "--csv", file]);
+    const lines = readFileSync(file, "utf8").trim().split("\n");
+    const [names, ...rows] = lines.filter((line) => !line.startsWith("#")).map((line) => line.split(","));
+    return Object.fromEntries(names.map((name, i) => [name, Float32Array.from(rows, (row) => Number(row[i]))]));
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
 }
 
 /** Builds a model of "other people's data", series over ca and al, in a folder; returns its path. */

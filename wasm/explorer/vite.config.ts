@@ -1,4 +1,5 @@
-import { createReadStream, existsSync, readFileSync } from "node:fs";
+import { createHash } from "node:crypto";
+import { createReadStream, existsSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { defineConfig, type Plugin } from "vite";
 
@@ -47,11 +48,37 @@ function preloadedModule(): Plugin {
   };
 }
 
+/** Writes the service worker: which files the page has, and a digest of them as its version. */
+function serviceWorker(): Plugin {
+  const NAME = "service-worker.js";
+  let folder = "";
+  return {
+    name: "service-worker",
+    apply: "build",
+    configResolved({ root, build }) {
+      folder = resolve(root, build.outDir);
+    },
+    closeBundle() {
+      const found = readdirSync(folder, { recursive: true, withFileTypes: true });
+      const paths = found.filter((entry) => entry.isFile()).map((entry) => resolve(entry.parentPath, entry.name));
+      const files = paths.map((path) => path.slice(folder.length + 1).replaceAll("\\", "/")).sort();
+      const digest = createHash("sha256");
+      for (const file of files) digest.update(file).update(readFileSync(resolve(folder, file)));
+      const version = digest.digest("hex").slice(0, 16);
+      // A server gives the page itself for the folder.
+      const names = files.map((file) => (file === "index.html" ? "./" : `./${file}`));
+      const text = readFileSync(resolve(import.meta.dirname, "src/offline", NAME), "utf8");
+      const head = `const VERSION = ${JSON.stringify(version)};\nconst FILES = ${JSON.stringify(names)};\n`;
+      writeFileSync(resolve(folder, NAME), head + text);
+    },
+  };
+}
+
 export default defineConfig({
   // The page works from any folder of a server, and a missing file is a 404, not the page again.
   base: "./",
   appType: "mpa",
-  plugins: [shippedModel(), preloadedModule()],
+  plugins: [shippedModel(), preloadedModule(), serviceWorker()],
   worker: { format: "es" },
   build: {
     target: "es2023",

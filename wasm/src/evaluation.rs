@@ -12,11 +12,11 @@ use wasm_bindgen::prelude::*;
 /// or an instant that several methods ask for, is computed once. After a refused query every method refuses.
 #[wasm_bindgen]
 pub struct Evaluation {
-    shared: Rc<Shared>,
+    pub(crate) shared: Rc<Shared>,
     workspace: Box<Workspace<f32>>,
     playback: Playback<f32, Vec<f32>>,
-    query: Option<Query<f32>>,
-    t: f32,
+    pub(crate) query: Option<Query<f32>>,
+    pub(crate) t: f32,
 }
 
 /// Scalars of an instant, in the model's units: lengths in l, velocity in V for a capsule in the channel.

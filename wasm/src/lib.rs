@@ -5,6 +5,7 @@
 
 mod batch;
 mod evaluation;
+mod fields;
 mod model;
 mod section;
 mod shared;

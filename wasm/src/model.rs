@@ -5,6 +5,7 @@ use crate::shared::{CoreModel, File, Shared};
 use crate::surface::{Surface, normals};
 use capsule_core::model::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
+use std::cell::OnceCell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
@@ -32,7 +33,12 @@ impl Model {
         let divisions = if mesh.element_nodes() == 3 { 1 } else { DIVISIONS };
         let surface = Surface::new(&elements, divisions);
         Ok(Self {
-            shared: Rc::new(Shared { file, surface, nodes }),
+            shared: Rc::new(Shared {
+                file,
+                surface,
+                nodes,
+                stencils: OnceCell::new(),
+            }),
         })
     }
 
@@ -203,6 +209,12 @@ impl Model {
     pub fn normals(&self, positions: &[f32]) -> Vec<f32> {
         let (positions, _) = positions.as_chunks();
         normals(self.shared.surface.triangles(), positions).into_flattened()
+    }
+
+    /// Numbers at the vertices to draw, from those at the nodes.
+    #[wasm_bindgen(js_name = atVertices)]
+    pub fn at_vertices(&self, nodes: &[f32]) -> Vec<f32> {
+        self.shared.surface.numbers(nodes)
     }
 
     /// Vertices of the triangles to draw, three by three.

@@ -72,6 +72,15 @@ impl Surface {
         };
         self.vertices.iter().map(position).collect()
     }
+
+    /// Numbers at the vertices from those at the nodes.
+    pub fn numbers(&self, nodes: &[f32]) -> Vec<f32> {
+        let number = |(element, shape): &([u16; 6], [f32; 6])| {
+            let at = |node: &u16| nodes.get(usize::from(*node)).copied().unwrap_or_default();
+            element.iter().zip(shape).map(|(node, weight)| weight * at(node)).sum()
+        };
+        self.vertices.iter().map(number).collect()
+    }
 }
 
 /// Unit normals at the vertices, outward where the triangles are oriented so: the mean of those of the triangles
@@ -187,6 +196,17 @@ mod tests {
         let positions = Surface::new(&elements, 2).positions(&nodes);
         assert_eq!(positions.len(), nodes.len());
         assert!(positions.iter().all(|position| nodes.contains(position)));
+    }
+
+    #[test]
+    fn numbers_at_the_vertices_are_interpolated_as_the_positions_are() {
+        let (nodes, elements) = octahedron(0.7);
+        let surface = Surface::new(&elements, 3);
+        let heights: Vec<f32> = nodes.iter().map(|node| node[2]).collect();
+        let positions = surface.positions(&nodes);
+        for (number, position) in surface.numbers(&heights).iter().zip(&positions) {
+            assert!((number - position[2]).abs() < 1e-6);
+        }
     }
 
     #[test]

@@ -8,9 +8,11 @@ import "./style/time.css";
 import "./style/layout.css";
 import "./style/model.css";
 import "./style/sheets.css";
+import "./style/tour.css";
 import "./style/embedded.css";
 import { Explorer, type Options } from "./app/explorer";
 import { type Api, api, CapsuleExplorer, setControls } from "./element";
+import { keepOffline } from "./offline/keep";
 import { loadFont } from "./style/font";
 
 declare global {
@@ -26,6 +28,7 @@ const model = words.get("model");
 // For a frame in another page.
 setControls(document.body, words.get("controls"));
 const explorer = new Explorer(document.body, { ownsAddress: true, ...(model === null ? {} : { model }) });
+keepOffline(explorer.root.part("new-version", HTMLButtonElement));
 customElements.define("capsule-explorer", CapsuleExplorer);
 
 window.capsuleExplorer = Object.defineProperties(

@@ -5,6 +5,7 @@ import { tieHelp } from "../panels/keys";
 import { describe } from "../panels/model-card";
 import { tieParameters } from "../panels/parameters";
 import { TakeAway } from "../panels/take-away";
+import { Tour } from "../panels/tour";
 import { isControl } from "../panels/transport";
 import { Address } from "./address";
 import { button, html, Root } from "./dom";
@@ -64,11 +65,14 @@ export class Explorer {
       );
     }
     tieHelp(this.root, () => this.workbench.recolour());
+    new Tour(this.root);
     new TakeAway(this.root, {
       shown: () => this.workbench.shown,
       link: () => new URL(this.fragment(), window.location.href).href,
       session: () => toSession(this.fragment(), this.workbench.measured.file),
       picture: () => this.workbench.picture(),
+      scale: () => this.workbench.scale(),
+      seek: (t) => this.workbench.seek(t),
     });
     this.#takeFiles();
     this.#takePaste();

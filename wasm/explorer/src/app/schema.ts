@@ -30,6 +30,8 @@ export const OUTLINE_UNITS = ["named", "um", "px"] as const;
 /** Directions of the flow in a measured outline; "found": the one that fits best. */
 export const FLOWS = ["found", "right", "left", "up", "down"] as const;
 
+/** The whole of a model plays in this many seconds at speed 1, as the channel's 20 l/V do. */
+export const PLAY_SECONDS = 20;
 export const SPEEDS = [0.25, 0.5, 1, 2, 5] as const;
 
 /** Scales of the axis of Ca on the map. */
@@ -39,6 +41,28 @@ export type Scale = (typeof SCALES)[number];
 /** What the small plots run along: time, or a parameter in the steady state. */
 export const ALONG = ["time", "ca", "confinement"] as const;
 export type Along = (typeof ALONG)[number];
+
+/** What the membrane is coloured by in space: fields by their names in the core. */
+export const COLOURS = [
+  "none",
+  "displacement",
+  "velocity",
+  "stretch_1",
+  "stretch_2",
+  "tension_1",
+  "tension_2",
+  "energy_density",
+  "load",
+] as const;
+export type Colour = (typeof COLOURS)[number];
+
+/** The plane that the capsule in space is cut open by: y = 0, z = 0. */
+export const CLIPS = ["none", "y", "z"] as const;
+export type Clip = (typeof CLIPS)[number];
+
+/** Where the space view is seen from. */
+export const CAMERAS = ["oblique", "side", "front"] as const;
+export type Camera = (typeof CAMERAS)[number];
 
 /** What determines a motion: the model's parameters in their order, the method, and whether it may be extrapolated. */
 export interface Query {
@@ -154,6 +178,17 @@ const dimensions: Field<readonly number[]> = {
   model: "channel",
 };
 
+/** The least and the greatest value of the colours, in the model's unit; empty: those of the field on screen. */
+const range: Field<readonly number[]> = {
+  ...parameters,
+  key: "range",
+  check: (values) =>
+    Array.isArray(values) &&
+    values.every(Number.isFinite) &&
+    (values.length === 0 || (values.length === 2 && Number(values[0]) < Number(values[1]))),
+  model: undefined,
+};
+
 /** `A:direct:0.1,0.9;B:paper!:0.2,0.9`: the exclamation mark allows extrapolation. */
 const pins: Field<readonly Pin[]> = {
   ...COMMON,
@@ -208,6 +243,10 @@ export const FIELDS = {
   scale: oneOf("scale", SCALES, "linear", { model: "channel" }),
   samples: flag("samples", true, { model: "channel" }),
   along: oneOf("along", ALONG, "time"),
+  colour: oneOf("colour", COLOURS, "none"),
+  range,
+  clip: oneOf("clip", CLIPS, "none"),
+  camera: oneOf("camera", CAMERAS, "oblique", { undo: false }),
   dimensions,
   /** Of the measured outline: half the channel's side in um, mean velocity in mm/s, viscosity in Pa s; 0: not known. */
   halfWidth: measured("half"),

@@ -6,12 +6,9 @@ import { makeParts, type Parts } from "../views/registry";
 import type { Context, Trace } from "../views/view";
 import type { Root } from "./dom";
 import { Jobs } from "./jobs";
-import { QUANTITIES, type Query, queryOf, type State, VIEWS, type View } from "./schema";
+import { PLAY_SECONDS, QUANTITIES, type Query, queryOf, type State, VIEWS, type View } from "./schema";
 import type { Store } from "./store";
 import { Visibility } from "./visibility";
-
-/** The whole of a model plays in this many seconds at speed 1, as the channel's 20 l/V do. */
-const PLAY_SECONDS = 20;
 
 /** The open model on screen: after each change one frame, in which every visible part asks the core what it shows. */
 export class Workbench {
@@ -22,7 +19,6 @@ export class Workbench {
   readonly #visible: Visibility;
   #capsule: Capsule | undefined;
   #errors: ErrorMeaning = { against: "", sentence: "" };
-  #pinned: readonly string[] = [];
   #frame = 0;
   #lastFrame = 0;
 
@@ -42,7 +38,6 @@ export class Workbench {
     const previous = this.#capsule;
     this.#capsule = capsule;
     this.#errors = errorMeaning(capsule.model);
-    this.#pinned = [];
     // No part may hold an answer of the model that is freed: one that is out of sight would ask it when it is resized.
     const context = this.#context(capsule, this.#store.state);
     this.#parts.courses.begin(capsule);
@@ -59,9 +54,20 @@ export class Workbench {
     this.#parts.solid.recolour();
   }
 
+  /** Goes to an instant and draws the space view there at once, in sight or not. */
+  seek(t: number): void {
+    this.#store.set({ t, playing: false });
+    if (this.shown !== undefined) this.#parts.solid.draw(...this.shown);
+  }
+
   /** The picture of the space view; undefined where there is none. */
   picture(): HTMLCanvasElement | undefined {
     return this.#parts.solid.picture();
+  }
+
+  /** The scale of its colours; undefined where it has none. */
+  scale(): SVGSVGElement | undefined {
+    return this.#parts.solid.scale;
   }
 
   /** The measured outline. */
@@ -118,7 +124,6 @@ export class Workbench {
   #draw(): void {
     const capsule = this.#capsule;
     if (capsule === undefined) return;
-    this.#freeUnpinned(capsule);
     const [live] = traces(capsule, this.#store.state);
     // Time that runs into a shape that is refused stays at the instant that the notice speaks of.
     if (live?.answer === undefined) this.#store.set({ playing: false });
@@ -149,15 +154,6 @@ export class Workbench {
     this.#root.element.dataset.answer = kind;
     const suffix = { given: "", extrapolated: ", extrapolated", refused: ": there is no shape to show" }[kind];
     this.#root.part("figures", HTMLElement).ariaLabel = `Views of the capsule${suffix}`;
-  }
-
-  /** Gives back the memory of queries that are pinned no longer. */
-  #freeUnpinned(capsule: Capsule): void {
-    const pinned = this.#store.state.pins.map(({ name }) => name);
-    for (const name of this.#pinned) {
-      if (!pinned.some((pin) => pin === name)) capsule.release(name);
-    }
-    this.#pinned = pinned;
   }
 }
 

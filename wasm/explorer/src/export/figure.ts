@@ -33,8 +33,7 @@ export function figureSvg(stage: Element, legend: Legend): SVGSVGElement {
   for (const drawing of stage.querySelectorAll<SVGSVGElement>("svg")) {
     const { left, top, width, height } = drawing.getBoundingClientRect();
     if (width === 0) continue;
-    const copy = drawing.cloneNode(true) as SVGSVGElement;
-    inlineStyles(drawing, copy);
+    const copy = standalone(drawing);
     set(copy, { x: left - box.left, y: top - box.top, width, height });
     copy.removeAttribute("class");
     for (const hidden of copy.querySelectorAll(".surface, .grip, .focus-ring")) hidden.remove();
@@ -83,33 +82,71 @@ export function svgText(figure: SVGSVGElement): string {
 /** A figure as pixels, two for each of the screen's. */
 export async function figurePng(figure: SVGSVGElement): Promise<Blob> {
   const [width, height] = [Number(figure.getAttribute("width")), Number(figure.getAttribute("height"))];
-  const image = new Image(width, height);
-  image.src = `data:image/svg+xml,${encodeURIComponent(svgText(figure))}`;
-  await image.decode();
+  const image = await imageOf(figure, width, height);
   return paint(width, height, (context) => context.drawImage(image, 0, 0, width, height));
 }
 
-/** The space view as pixels, with its ground and its foot. */
-export async function picturePng(picture: HTMLCanvasElement, legend: Legend): Promise<Blob> {
-  // Taken in the task that draws it: the browser may clear it afterwards.
-  const taken = await createImageBitmap(picture);
-  const { width, height } = picture.getBoundingClientRect();
-  const frame = canvas(width, height, picture, legend);
-  const image = new Image(width, height + FOOT);
-  image.src = `data:image/svg+xml,${encodeURIComponent(svgText(frame))}`;
-  await image.decode();
-  return paint(width, height + FOOT, (context) => {
-    context.drawImage(image, 0, 0, width, height + FOOT);
-    context.drawImage(taken, 0, 0, width, height);
-  });
+/** The space view, its words, and the scale of its colours where it has any. */
+export interface Picture {
+  readonly canvas: HTMLCanvasElement;
+  readonly legend: Legend;
+  readonly scale: SVGSVGElement | undefined;
 }
 
-function paint(width: number, height: number, draw: (context: CanvasRenderingContext2D) => void): Promise<Blob> {
+/** The size of a picture with its foot, in CSS pixels. */
+export function pictureSize({ canvas }: Picture): readonly [width: number, height: number] {
+  const { width, height } = canvas.getBoundingClientRect();
+  return [width, height + FOOT];
+}
+
+/** Draws the space view with its ground, its foot and the scale of its colours; the context is in CSS pixels. */
+export async function drawPicture(context: CanvasRenderingContext2D, picture: Picture): Promise<void> {
+  // Taken in the task that draws it: the browser may clear it afterwards.
+  const taken = await createImageBitmap(picture.canvas);
+  const { scale, legend } = picture;
+  const [width, whole] = pictureSize(picture);
+  const height = whole - FOOT;
+  context.drawImage(await imageOf(canvas(width, height, picture.canvas, legend), width, whole), 0, 0, width, whole);
+  context.drawImage(taken, 0, 0, width, height);
+  taken.close();
+  if (scale === undefined) return;
+  const over = await imageOf(standalone(scale), ...scaleSize(scale));
+  context.drawImage(over, width - over.width - 8, height - over.height - 8);
+}
+
+export function picturePng(picture: Picture): Promise<Blob> {
+  return paint(...pictureSize(picture), (context) => drawPicture(context, picture));
+}
+
+function scaleSize(scale: SVGSVGElement): readonly [number, number] {
+  const { width, height } = scale.getBoundingClientRect();
+  return [width, height];
+}
+
+/** A drawing that needs no style sheet. */
+function standalone(drawing: SVGSVGElement): SVGSVGElement {
+  const copy = drawing.cloneNode(true) as SVGSVGElement;
+  inlineStyles(drawing, copy);
+  return copy;
+}
+
+async function imageOf(drawing: SVGSVGElement, width: number, height: number): Promise<HTMLImageElement> {
+  const image = new Image(width, height);
+  image.src = `data:image/svg+xml,${encodeURIComponent(svgText(drawing))}`;
+  await image.decode();
+  return image;
+}
+
+async function paint(
+  width: number,
+  height: number,
+  draw: (context: CanvasRenderingContext2D) => void | Promise<void>,
+): Promise<Blob> {
   const page = Object.assign(document.createElement("canvas"), { width: SCALE * width, height: SCALE * height });
   const context = page.getContext("2d");
   if (context === null) throw new Error("this browser draws no pixels");
   context.scale(SCALE, SCALE);
-  draw(context);
+  await draw(context);
   return new Promise((made, failed) => {
     page.toBlob((blob) => (blob === null ? failed(new Error("this browser makes no PNG")) : made(blob)), "image/png");
   });

@@ -1,6 +1,7 @@
-import type { Quantity, Query } from "../app/schema";
+import type { Frame, Quantity, Query } from "../app/schema";
 import type { Evaluation, Model } from "../wasm/capsule_wasm";
 import { type Domain, ORDER, prepare } from "./capsule";
+import type { FieldName } from "./fields";
 
 export type Outline = "midplane" | "diagonal";
 
@@ -20,7 +21,7 @@ export class Answer {
   readonly t: number;
   readonly #evaluation: Evaluation;
   readonly #length: number;
-  readonly #normals: (positions: Float32Array) => Float32Array;
+  readonly #model: Model;
   readonly #kept = new Map<string, unknown>();
 
   constructor(model: Model, evaluation: Evaluation, query: Query, t: number) {
@@ -28,7 +29,7 @@ export class Answer {
     this.query = query;
     this.t = t;
     this.#length = model.drawnLength;
-    this.#normals = (positions) => model.normals(positions);
+    this.#model = model;
   }
 
   /** Everything else throws where this is "refused". */
@@ -99,7 +100,17 @@ export class Answer {
 
   /** Unit normals of the surface. */
   normals(): Float32Array {
-    return this.#once("normals", () => this.#normals(this.surface()));
+    return this.#once("normals", () => this.#model.normals(this.surface()));
+  }
+
+  /** A field at the nodes, in the model's unit. Throws where it is not finite. */
+  field(name: FieldName, frame: Frame): Float32Array {
+    return this.#once(`${name} ${frame}`, () => this.#go().field(name, frame));
+  }
+
+  /** The same at the vertices of the surface. */
+  fieldDrawn(name: FieldName, frame: Frame): Float32Array {
+    return this.#once(`${name} ${frame} drawn`, () => this.#model.atVertices(this.field(name, frame)));
   }
 
   /** How far the capsule reaches behind and before its centroid, in the drawn length. */

@@ -15,7 +15,10 @@ export class Capsule {
   /** The file's name, where it is not the one beside the page. */
   readonly file: string | undefined;
   readonly units: Units;
-  /** Each with a workspace of its own, so that what one computes does not displace what another holds. */
+  /**
+   * Each with a workspace of its own, so that what one computes does not displace what another holds. There are as many
+   * as names, and they last: a view out of sight may still hold the answer of a query that is pinned no longer.
+   */
   readonly #lanes = new Map<string, { evaluation: Evaluation; query: string; answer: Answer | undefined }>();
 
   constructor(bytes: Uint8Array, file: string | undefined) {
@@ -75,18 +78,10 @@ export class Capsule {
     return place.evaluation.grid(quantity, parameters, this.names().length, t, method);
   }
 
-  /** Frees the lanes whose names begin so. */
-  release(name: string): void {
-    for (const [key, { evaluation }] of this.#lanes) {
-      if (key.startsWith(name)) {
-        evaluation.free();
-        this.#lanes.delete(key);
-      }
-    }
-  }
-
+  /** No answer may be asked after it. */
   free(): void {
-    this.release("");
+    for (const { evaluation } of this.#lanes.values()) evaluation.free();
+    this.#lanes.clear();
     this.model.free();
   }
 

@@ -33,6 +33,7 @@ export class Compare implements ViewPart {
     this.#pin.disabled = pins.length === PIN_NAMES.length || traces[0]?.answer === undefined;
     this.#figure.hidden = pins.length === 0;
     if (pins.length === 0) {
+      window.clearTimeout(this.#resting);
       this.#table.replaceChildren();
       this.#compared = [];
       return;

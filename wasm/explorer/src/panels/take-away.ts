@@ -1,6 +1,7 @@
 import { button, html, type Root } from "../app/dom";
-import type { View } from "../app/schema";
-import { figurePng, figureSvg, type Legend, picturePng, svgText } from "../export/figure";
+import type { State, View } from "../app/schema";
+import { figurePng, figureSvg, type Legend, type Picture, picturePng, svgText } from "../export/figure";
+import { canFilm, film } from "../export/film";
 import { toCsv, toJson } from "../export/numbers";
 import { toObj } from "../export/obj";
 import { footer, provenance } from "../export/provenance";
@@ -8,7 +9,7 @@ import { type ReportFigure, toReport } from "../export/report";
 import { save } from "../export/save";
 import { toStl } from "../export/stl";
 import { toVtp } from "../export/vtp";
-import type { Answer } from "../model/answer";
+import { type Answer, text } from "../model/answer";
 import type { Context, Trace } from "../views/view";
 
 /** What the dialog takes from the explorer. */
@@ -19,6 +20,10 @@ export interface Source {
   readonly session: () => string;
   /** The picture of the space view; undefined where there is none. */
   readonly picture: () => HTMLCanvasElement | undefined;
+  /** The scale of its colours; undefined where it has none. */
+  readonly scale: () => SVGSVGElement | undefined;
+  /** Goes to an instant and draws the picture there. */
+  readonly seek: (t: number) => void;
 }
 
 /** The drawings, by the id of their element. */
@@ -30,6 +35,8 @@ const DRAWINGS: readonly (readonly [id: string, view: View | undefined, name: st
   ["plots", "plots", "All read-outs"],
   ["track", undefined, "Read-out along time"],
 ];
+
+const SPACE = "Capsule in the channel";
 
 /** Frames of an animation. */
 const FRAMES = 41;
@@ -60,30 +67,26 @@ export class TakeAway {
     const picture = context.shows("solid") ? this.#source.picture() : undefined;
     if (picture !== undefined) {
       const save = async () => {
-        const canvas = this.#source.picture();
-        if (canvas !== undefined) {
-          this.#save(
-            "capsule",
-            "png",
-            await picturePng(canvas, this.#legend("Capsule in the channel", traces, context)),
-          );
-        }
+        const shot = this.#picture(traces, context);
+        if (shot !== undefined) this.#save("capsule", "png", await picturePng(shot));
       };
-      rows.push(this.#row("Capsule in the channel", [button("PNG", save)]));
+      rows.push(this.#row(SPACE, [button("PNG", save)]), this.#filmRow(context.state));
     }
     const link = this.#source.link();
-    const report = () => {
+    const report = async () => {
       const figures: ReportFigure[] = drawings.map(([id, , name]) => {
         return { name, drawing: this.#figure(id, name, traces, context) };
       });
-      const canvas = picture === undefined ? undefined : this.#source.picture();
-      if (canvas !== undefined) {
-        const name = "Capsule in the channel";
-        figures.unshift({ name, drawing: html("img", { src: canvas.toDataURL(), alt: name }) });
+      const shot = picture === undefined ? undefined : this.#picture(traces, context);
+      if (shot !== undefined) {
+        const src = await dataAddress(await picturePng(shot));
+        figures.unshift({ name: SPACE, drawing: html("img", { src, alt: SPACE }) });
       }
       return toReport(traces, context, figures, provenance(traces, context, link));
     };
-    rows.unshift(this.#row("All of it in one page", [button("HTML", () => this.#save("report", "html", report()))]));
+    rows.unshift(
+      this.#row("All of it in one page", [button("HTML", async () => this.#save("report", "html", await report()))]),
+    );
     rows.push(
       this.#row("Read-outs, now and along time", [
         button("CSV", () => this.#save("readouts", "csv", toCsv(traces, context, provenance(traces, context, link)))),
@@ -114,6 +117,43 @@ export class TakeAway {
 
   #figure(id: string, name: string, traces: readonly Trace[], context: Context): SVGSVGElement {
     return figureSvg(this.#root.part(id, HTMLElement), this.#legend(name, traces, context));
+  }
+
+  /** The space view with its words; undefined where there is none. */
+  #picture(traces: readonly Trace[], context: Context): Picture | undefined {
+    const canvas = this.#source.picture();
+    return canvas && { canvas, legend: this.#legend(SPACE, traces, context), scale: this.#source.scale() };
+  }
+
+  /** The space view as a film of the whole time; closing the dialog ends it. */
+  #filmRow(state: State): HTMLElement {
+    const note = html("small", { role: "status" });
+    const picture = () => {
+      const [traces, context] = this.#source.shown() ?? [];
+      return traces?.[0]?.answer && context && this.#picture(traces, context);
+    };
+    const make = button("MP4", async () => {
+      make.disabled = true;
+      const onShare = (share: number) => {
+        if (!this.#dialog.open) throw new Error("the dialog was closed");
+        note.textContent = `${Math.round(100 * share)} %`;
+      };
+      try {
+        this.#save("motion", "mp4", await film(state, this.#source.seek, picture, onShare));
+        note.textContent = "";
+      } catch (error) {
+        note.textContent = `There is no film: ${text(error)}.`;
+      }
+      this.#source.seek(state.t);
+      make.disabled = false;
+    });
+    if (!canFilm()) {
+      make.disabled = true;
+      note.textContent = "This browser has no WebCodecs to encode video with.";
+    }
+    const row = this.#row(`${SPACE}, moving`, [make]);
+    row.insertBefore(note, make);
+    return row;
   }
 
   /** The live surface relative to its centroid: as it is, and as it moves. */
@@ -166,4 +206,13 @@ export class TakeAway {
     const digest = this.#source.shown()?.[1].capsule.model.digest ?? "";
     save(`capsule-${name}-${digest}.${extension}`, content);
   }
+}
+
+function dataAddress(content: Blob): Promise<string> {
+  const reader = new FileReader();
+  return new Promise((read, failed) => {
+    reader.addEventListener("load", () => read(String(reader.result)));
+    reader.addEventListener("error", () => failed(reader.error));
+    reader.readAsDataURL(content);
+  });
 }

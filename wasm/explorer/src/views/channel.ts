@@ -20,6 +20,10 @@ const CORNERS = [
   [-1, 1],
 ] as const;
 
+/** Whole x within reach of any place, and the vertices of a ring. */
+const RINGS = 2 * REACH + 1;
+const RING = 2 * CORNERS.length;
+
 /** The channel around the capsule in space: four edges, a ring at each whole x, the wall below and the one behind. */
 export class Channel {
   readonly group = new Group();
@@ -31,10 +35,14 @@ export class Channel {
     depthWrite: false,
   });
   readonly #edge = new LineBasicMaterial({ vertexColors: true, transparent: true });
-  readonly #rings = new LineSegments(new BufferGeometry(), this.#edge);
+  readonly #rings = new LineSegments(
+    lines(new Float32Array(3 * RINGS * RING), new Float32Array(4 * RINGS * RING)),
+    this.#edge,
+  );
   #origin = Number.NaN;
 
   constructor() {
+    this.#rings.frustumCulled = false;
     this.group.add(new LineSegments(edges(), this.#edge), this.#rings, ...this.#walls());
   }
 
@@ -47,19 +55,16 @@ export class Channel {
   moveTo(origin: number): void {
     if (origin === this.#origin) return;
     this.#origin = origin;
-    const rings: number[] = [];
-    const fades: number[] = [];
-    for (let x = Math.ceil(origin - REACH); x <= origin + REACH; x++) {
-      const at = x - origin;
-      const fade = (x % 5 === 0 ? 0.75 : 0.28) * fadeOut(at);
-      CORNERS.forEach(([y, z], i) => {
-        const [nextY, nextZ] = CORNERS[(i + 1) % 4] ?? [y, z];
-        rings.push(at, y, z, at, nextY, nextZ);
-        fades.push(1, 1, 1, fade, 1, 1, 1, fade);
-      });
+    const { position, color } = this.#rings.geometry.attributes;
+    const first = Math.ceil(origin - REACH);
+    for (let i = 0; i < RINGS * RING; i++) {
+      const x = first + Math.floor(i / RING);
+      // The ends of an edge, one edge after the other.
+      const [y, z] = CORNERS[((i + 1) >> 1) % CORNERS.length] ?? [0, 0];
+      position?.setXYZ(i, x - origin, y, z);
+      color?.setXYZW(i, 1, 1, 1, (x % 5 === 0 ? 0.75 : 0.28) * fadeOut(x - origin));
     }
-    this.#rings.geometry.dispose();
-    this.#rings.geometry = lines(rings, fades);
+    for (const attribute of [position, color]) if (attribute) attribute.needsUpdate = true;
   }
 
   #walls(): Mesh[] {
@@ -90,12 +95,12 @@ function edges(): BufferGeometry {
       alpha.push(1, 1, 1, fadeOut(x), 1, 1, 1, fadeOut(x + 1));
     }
   }
-  return lines(along, alpha);
+  return lines(Float32Array.from(along), Float32Array.from(alpha));
 }
 
-function lines(positions: number[], colours: number[]): BufferGeometry {
+function lines(positions: Float32Array, colours: Float32Array): BufferGeometry {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(positions), 3));
-  geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 4));
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  geometry.setAttribute("color", new BufferAttribute(colours, 4));
   return geometry;
 }

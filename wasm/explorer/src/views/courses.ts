@@ -47,9 +47,9 @@ export class Courses {
   /** A read-out along time, at instants evenly apart (`power` 1), or closer together at the start (2). */
   alongTime(lane: string, query: Query, quantity: Quantity, power: 1 | 2): Course {
     const end = this.#capsule?.model.endTime ?? 1;
-    const places = Float64Array.from({ length: POINTS }, (_, i) => end * (i / (POINTS - 1)) ** power);
-    return this.#course(`${lane} time ${power}`, query, quantity, places, (capsule, from, to) =>
-      capsule.course(`${lane} course`, query, quantity, Float32Array.from(places.subarray(from, to))),
+    const placeAt = (share: number) => end * share ** power;
+    return this.#course(`${lane} time ${power}`, query, quantity, placeAt, (capsule, places) =>
+      capsule.course(`${lane} course`, query, quantity, Float32Array.from(places)),
     );
   }
 
@@ -58,9 +58,9 @@ export class Courses {
     const index = along === "ca" ? 0 : 1;
     const ranges = this.#capsule?.model.ranges() ?? new Float64Array();
     const [least, most] = [ranges[2 * index] ?? 0, ranges[2 * index + 1] ?? 1];
-    const places = Float64Array.from({ length: POINTS }, (_, i) => least + ((most - least) * i) / (POINTS - 1));
-    return this.#course(`${lane} ${along}`, query, quantity, places, (capsule, from, to) => {
-      const sets = [...places.subarray(from, to)].flatMap((value) => query.parameters.with(index, value));
+    const placeAt = (share: number) => least + (most - least) * share;
+    return this.#course(`${lane} ${along}`, query, quantity, placeAt, (capsule, places) => {
+      const sets = [...places].flatMap((value) => query.parameters.with(index, value));
       const end = capsule.model.endTime;
       return capsule.grid(`${lane} course`, quantity, Float64Array.from(sets), end, query.method);
     });
@@ -70,13 +70,14 @@ export class Courses {
     kind: string,
     query: Query,
     quantity: Quantity,
-    places: Float64Array,
-    compute: (capsule: Capsule, from: number, to: number) => Float32Array,
+    placeAt: (share: number) => number,
+    compute: (capsule: Capsule, places: Float64Array) => Float32Array,
   ): Course {
     const key = `course ${kind} ${quantity} ${JSON.stringify(query)}`;
     this.#wanted.add(key);
     let course = this.#courses.get(key);
     if (course === undefined) {
+      const places = Float64Array.from({ length: POINTS }, (_, i) => placeAt(i / (POINTS - 1)));
       course = { quantity, places, values: new Float64Array(POINTS).fill(Number.NaN), done: 0 };
       this.#courses.set(key, course);
       this.#jobs.start(key, this.#fill(course, compute));
@@ -84,11 +85,11 @@ export class Courses {
     return course;
   }
 
-  *#fill(course: Course, compute: (capsule: Capsule, from: number, to: number) => Float32Array): Generator<void> {
+  *#fill(course: Course, compute: (capsule: Capsule, places: Float64Array) => Float32Array): Generator<void> {
     while (course.done < POINTS && this.#capsule !== undefined) {
       const to = Math.min(course.done + PIECE, POINTS);
       try {
-        course.values.set(compute(this.#capsule, course.done, to), course.done);
+        course.values.set(compute(this.#capsule, course.places.subarray(course.done, to)), course.done);
       } catch {
         // The query is refused: the curve is empty, and the notice says why.
         course.done = POINTS;

@@ -32,10 +32,10 @@ export class Plots implements ViewPart {
       if (along !== undefined) store.set({ along });
     });
     const stage = root.part("plots", HTMLElement);
-    this.#plots = QUANTITIES.map((quantity) => new Plot(stage, quantity));
-    onResize(stage, () => {
+    const redraw = () => {
       if (this.#drawn !== undefined) this.draw(...this.#drawn);
-    });
+    };
+    this.#plots = QUANTITIES.map((quantity) => new Plot(stage, quantity, redraw));
   }
 
   draw(traces: readonly Trace[], context: Context): void {
@@ -63,9 +63,11 @@ class Plot {
   readonly #axis: SVGGElement;
   readonly #curves: SVGGElement;
   readonly #cursor: SVGLineElement;
+  #width = 0;
+  #height = 0;
   #key = "";
 
-  constructor(stage: HTMLElement, quantity: Quantity) {
+  constructor(stage: HTMLElement, quantity: Quantity, onSize: () => void) {
     this.quantity = quantity;
     this.#svg = svg("svg", { role: "img", class: "plot", "aria-label": PRESENTATION[quantity].name }, stage);
     const { plane } = PRESENTATION[quantity];
@@ -73,11 +75,16 @@ class Plot {
     this.#axis = svg("g", { class: "axis" }, this.#svg);
     this.#curves = svg("g", {}, this.#svg);
     this.#cursor = svg("line", { class: "cursor" }, this.#svg);
+    // Asked for in a frame, the size would have the browser lay out the page anew.
+    onResize(this.#svg, (width, height) => {
+      this.#width = width;
+      this.#height = height;
+      onSize();
+    });
   }
 
   draw(courses: readonly Course[], traces: readonly Trace[], along: Along, context: Context): void {
-    const { width, height } = this.#svg.getBoundingClientRect();
-    const [first] = courses;
+    const [width, height, first] = [this.#width, this.#height, courses[0]];
     if (width === 0 || first === undefined) return;
     const [from, to] = [first.places[0] ?? 0, first.places.at(-1) ?? 1];
     const place = (at: number) => {

@@ -10,6 +10,7 @@ import { MeasuredView } from "../panels/measured";
 import { Notice } from "../panels/notice";
 import { Readouts } from "../panels/readouts";
 import { ParameterSliders } from "../panels/sliders";
+import { Sound } from "../panels/sound";
 import { TimeAxis } from "../panels/time-axis";
 import { Transport } from "../panels/transport";
 import { Courses } from "./courses";
@@ -37,7 +38,7 @@ export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => vo
   const measured = new Measured(redraw);
   const courses = new Courses(jobs, redraw);
   const onSection = (section: number) => store.set({ section: Math.min(5, Math.max(-5, section)) });
-  const solid = new SolidView(root);
+  const solid = new SolidView(root, store);
   const map = new ParameterMap(root, measured, (point) => store.set({ ...point, extrapolate: false }));
   return {
     courses,
@@ -59,6 +60,7 @@ export function makeParts(root: Root, store: Store, jobs: Jobs, redraw: () => vo
       new Notice(root, store),
       new Readouts(root, (trace) => store.set({ trace })),
       new TimeAxis(root, store, courses),
+      new Sound(root, courses),
       new Transport(root, store),
       new Compare(root, store),
       new Calculator(root, store),

@@ -1,8 +1,13 @@
 import { button, html, type Root } from "../app/dom";
+import type { Camera } from "../app/schema";
+import type { Store } from "../app/store";
 import type { Answer } from "../model/answer";
 import type { Need } from "../model/capsule";
+import { colourSpan, extremesOf, FIELD_PRESENTATION, isMechanics } from "../model/fields";
 import { cutPoints, loopPoints } from "./cuts";
+import { FieldLegend, type FieldShown } from "./field-legend";
 import type { Cut, Solid, SolidBody, SolidScene } from "./solid";
+import { SolidControls } from "./solid-controls";
 import type { Context, Trace, ViewPart } from "./view";
 
 const OUTLINES = ["midplane", "diagonal"] as const;
@@ -10,20 +15,28 @@ const OUTLINES = ["midplane", "diagonal"] as const;
 /** The space view: it loads `three` when it is first drawn, and says what to do where there is no WebGL. */
 export class SolidView implements ViewPart {
   readonly needs: readonly Need[] = [];
+  readonly #root: Root;
+  readonly #store: Store;
   readonly #stage: HTMLElement;
+  readonly #controls: SolidControls;
+  #legend: FieldLegend | undefined;
+  #camera: Camera = "oblique";
   /** Undefined until it is first drawn, null where it cannot be made. */
   #solid: Promise<Solid | null> | undefined;
   #made: Solid | null | undefined;
   #triangles: unknown;
   #drawn: readonly [readonly Trace[], Context] | undefined;
 
-  constructor(root: Root) {
+  constructor(root: Root, store: Store) {
+    this.#root = root;
+    this.#store = store;
     this.#stage = root.part("solid", HTMLElement);
-    root.part("reset-camera", HTMLButtonElement).addEventListener("click", () => this.#made?.resetCamera());
+    this.#controls = new SolidControls(root, store, (from) => this.#look(from));
   }
 
   draw(traces: readonly Trace[], context: Context): void {
     this.#drawn = [traces, context];
+    this.#controls.draw(context.state, context.capsule);
     if (this.#solid === undefined && traces.length > 0) {
       this.#stage.dataset.loading = "";
       this.#solid = this.#make();
@@ -45,13 +58,25 @@ export class SolidView implements ViewPart {
     return this.#made?.picture();
   }
 
+  /** The scale of its colours; undefined where there are none. */
+  get scale(): SVGSVGElement | undefined {
+    return this.#legend?.drawing;
+  }
+
+  #look(from: Camera): void {
+    this.#camera = from;
+    this.#made?.look(from);
+  }
+
   async #make(): Promise<Solid | null> {
     try {
-      const { Solid } = await import("./solid");
+      const [{ Solid }, { colours }] = await Promise.all([import("./solid"), import("./colours")]);
       const solid = new Solid(this.#stage, {
         lost: () => this.#say("The browser has taken the graphics card away from this view.", true),
         restored: () => this.#stage.querySelector(".missing")?.remove(),
       });
+      solid.look(this.#camera);
+      this.#legend ??= new FieldLegend(this.#root, this.#store, colours);
       this.#made = solid;
     } catch {
       this.#stage.replaceChildren();
@@ -92,11 +117,38 @@ export class SolidView implements ViewPart {
       this.#made.setTriangles(context.capsule.model.triangles());
       this.#made.setChannel(context.capsule.has("channel"));
     }
-    this.#made.draw(sceneOf(traces, context));
+    if (context.state.camera !== this.#camera) this.#look(context.state.camera);
+    const field = fieldOf(traces, context);
+    this.#legend?.draw(field, context.units, context.state.range.length > 0);
+    this.#made.draw(sceneOf(traces, context, field));
   }
 }
 
-function sceneOf(traces: readonly Trace[], context: Context): SolidScene | undefined {
+/** The field that the membranes are coloured by; undefined where there is none, or where it is not finite. */
+function fieldOf(traces: readonly Trace[], { state, capsule }: Context): FieldShown | undefined {
+  const { colour: field, frame, range } = state;
+  const answers = traces.flatMap(({ answer }) => answer ?? []);
+  if (field === "none" || answers.length === 0 || (isMechanics(field) && !capsule.has("channel"))) return undefined;
+  try {
+    const extremes = extremesOf(answers.map((answer) => answer.field(field, frame)));
+    const [from, to] = range;
+    const span = from === undefined || to === undefined ? colourSpan(field, extremes) : ([from, to] as const);
+    const map = FIELD_PRESENTATION[field].centre === undefined ? "sequential" : "diverging";
+    return { field, frame, map, extremes, span };
+  } catch {
+    return undefined;
+  }
+}
+
+/** Coordinates in the colour map's texture for a field at the vertices. */
+function coordinates(values: Float32Array, [from, to]: readonly [number, number]): Float32Array {
+  const found = new Float32Array(2 * values.length);
+  const scale = 1 / (to - from);
+  for (let i = 0; i < values.length; i++) found[2 * i] = ((values[i] ?? from) - from) * scale;
+  return found;
+}
+
+function sceneOf(traces: readonly Trace[], context: Context, field: FieldShown | undefined): SolidScene | undefined {
   const { state } = context;
   const live = traces[0]?.answer;
   if (live === undefined) return undefined;
@@ -109,9 +161,13 @@ function sceneOf(traces: readonly Trace[], context: Context): SolidScene | undef
   const laboratory = state.frame === "laboratory";
   const body = (name: Trace["name"], answer: Answer): SolidBody => {
     const shift = laboratory ? answer.centroid - live.centroid : 0;
-    return { name, positions: answer.surface(), normals: answer.normals(), shift };
+    return { name, positions: answer.surface(), normals: answer.normals(), shift, colours: undefined };
   };
-  const bodies = traces.flatMap(({ name, answer }) => (answer === undefined ? [] : [body(name, answer)]));
+  const painted = (answer: Answer) =>
+    field === undefined ? undefined : coordinates(answer.fieldDrawn(field.field, field.frame), field.span);
+  const bodies = traces.flatMap(({ name, answer }) =>
+    answer === undefined ? [] : [{ ...body(name, answer), colours: painted(answer) }],
+  );
   // In the centroid's frame the two surfaces would lie in one another; there the sections compare them.
   const start = state.initial && laboratory ? traces[0]?.start() : undefined;
   return {
@@ -120,5 +176,7 @@ function sceneOf(traces: readonly Trace[], context: Context): SolidScene | undef
     origin: laboratory ? live.centroid : 0,
     factor: context.units.drawn.factor,
     cuts,
+    map: field?.map ?? "sequential",
+    clip: state.clip,
   };
 }

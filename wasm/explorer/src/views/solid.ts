@@ -4,11 +4,15 @@ import {
   DirectionalLight,
   DoubleSide,
   HemisphereLight,
+  type InterleavedBufferAttribute,
   Mesh,
   MeshStandardMaterial,
   PerspectiveCamera,
+  Plane,
   Scene,
   Spherical,
+  type Texture,
+  Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
@@ -16,7 +20,9 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import type { Camera, Clip } from "../app/schema";
 import { Channel, fadeOut, REACH } from "./channel";
+import { type ColourMap, colourTexture } from "./colours";
 import { label, onResize, tidy } from "./svg";
 import type { Trace } from "./view";
 
@@ -31,6 +37,8 @@ export interface SolidBody {
   readonly normals: Float32Array;
   /** Axial position of its centroid relative to the live one's. */
   readonly shift: number;
+  /** Coordinates in the colour map's texture at the vertices; undefined: the body's own colour. */
+  readonly colours: Float32Array | undefined;
 }
 
 /** The space view's content. All positions are relative to the live capsule's centroid, which stays in mid-picture. */
@@ -44,6 +52,9 @@ export interface SolidScene {
   readonly factor: number;
   /** Curves on the membrane where the open section planes cut it. */
   readonly cuts: readonly { readonly plane: Cut; readonly points: Float32Array }[];
+  /** The map that the bodies with such coordinates are coloured by. */
+  readonly map: ColourMap;
+  readonly clip: Clip;
 }
 
 /** Called when the browser takes the graphics context away, and when it gives it back. */
@@ -52,8 +63,21 @@ export interface ContextListener {
   readonly restored: () => void;
 }
 
-/** Seen from beside and a little above, z upwards as in the transversal section. */
-const HOME = new Vector3(-6.2, -9.2, 3.6);
+/** Where it is seen from, z upwards: from beside and a little above; along y; from the front, as the section across. */
+const PLACES: Record<Camera, Vector3> = {
+  oblique: new Vector3(-6.2, -9.2, 3.6),
+  side: new Vector3(0, -1, 0),
+  front: new Vector3(1, 0, 0),
+};
+
+/** Pixels between two numbers along the channel. */
+const LEAST_APART = 20;
+
+/** The half of the membrane that stays, seen from the oblique place: the curves in the plane itself stay too. */
+const HALVES: Record<Exclude<Clip, "none">, readonly [surface: Plane, curves: Plane]> = {
+  y: [new Plane(new Vector3(0, 1, 0), 0), new Plane(new Vector3(0, 1, 0), 0.01)],
+  z: [new Plane(new Vector3(0, 0, -1), 0), new Plane(new Vector3(0, 0, -1), 0.01)],
+};
 
 /** The capsule in the channel, seen in space. */
 export class Solid {
@@ -70,6 +94,9 @@ export class Solid {
   /** A mesh for each body; the first is the live one's. */
   readonly #meshes: Mesh<BufferGeometry, MeshStandardMaterial>[] = [];
   #triangles: Uint32Array = new Uint32Array();
+  readonly #textures = new Map<ColourMap, Texture>();
+  /** How each body is coloured. */
+  #painted = "";
   /** The names of the bodies on screen. */
   #shown: readonly Trace["name"][] = [];
   #width = 1;
@@ -82,6 +109,7 @@ export class Solid {
     this.#stage = stage;
     this.#renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "low-power" });
     this.#renderer.autoClear = false;
+    this.#renderer.localClippingEnabled = true;
     const canvas = this.#renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
@@ -118,7 +146,7 @@ export class Solid {
     this.#controls.addEventListener("change", () => this.#render());
     canvas.addEventListener("keydown", (event) => this.#turn(event));
     this.recolour();
-    this.resetCamera();
+    this.look("oblique");
     onResize(stage, (width, height) => {
       this.#width = width;
       this.#height = height;
@@ -148,7 +176,9 @@ export class Solid {
     const style = getComputedStyle(this.#stage);
     const colour = (name: string) => style.getPropertyValue(`--${name}`).trim();
     this.#shown.forEach((name, i) => {
-      this.#meshes[i]?.material.color.set(colour(name === "live" ? "membrane" : `pin-${name}`));
+      const material = this.#meshes[i]?.material;
+      // Data are coloured by the map alone.
+      material?.color.set(material.map === null ? colour(name === "live" ? "membrane" : `pin-${name}`) : "white");
     });
     this.#ghost.color.set(colour("wall"));
     this.#channel.colour = colour("wall");
@@ -156,8 +186,9 @@ export class Solid {
     this.#render();
   }
 
-  resetCamera(): void {
-    this.#camera.position.copy(HOME);
+  /** Goes to a place to look from. */
+  look(from: Camera): void {
+    this.#camera.position.copy(PLACES[from]);
     this.#controls.target.set(0, 0, 0);
     this.#frameCapsule();
     this.#controls.update();
@@ -169,13 +200,14 @@ export class Solid {
     const names = scene?.bodies.map(({ name }) => name) ?? [];
     const isNew = names.join() !== this.#shown.join();
     this.#shown = names;
+    const painted = scene?.bodies.map(({ colours }) => (colours === undefined ? "none" : scene.map)).join() ?? "";
+    const isPainted = painted !== this.#painted;
+    this.#painted = painted;
     this.#initial.visible = scene?.initial !== undefined;
     for (const line of Object.values(this.#cuts)) line.visible = false;
     if (scene !== undefined) this.#place(scene);
-    if (isNew) {
-      this.recolour();
-      this.#frameCapsule();
-    }
+    if (isNew || isPainted) this.recolour();
+    if (isNew) this.#frameCapsule();
     this.#render();
   }
 
@@ -191,12 +223,15 @@ export class Solid {
   }
 
   #place(scene: SolidScene): void {
-    scene.bodies.forEach(({ positions, normals, shift }, i) => {
+    scene.bodies.forEach(({ positions, normals, shift, colours }, i) => {
       const mesh = this.#mesh(i);
       replace(mesh.geometry, "position", positions);
       replace(mesh.geometry, "normal", normals);
+      if (colours !== undefined) replace(mesh.geometry, "uv", colours);
+      paint(mesh.material, colours === undefined ? null : this.#texture(scene.map));
       mesh.position.x = shift;
     });
+    this.#cutOpen(scene.clip);
     if (scene.initial !== undefined) {
       replace(this.#initial.geometry, "position", scene.initial.positions);
       replace(this.#initial.geometry, "normal", scene.initial.normals);
@@ -205,14 +240,25 @@ export class Solid {
     for (const { plane, points } of scene.cuts) {
       if (points.length < 6) continue;
       const line = this.#cuts[plane];
-      line.geometry.dispose();
-      line.geometry = new LineGeometry();
-      line.geometry.setPositions(points);
+      setLine(line.geometry, points);
       line.visible = true;
     }
     this.#origin = scene.origin;
     this.#factor = scene.factor;
     this.#channel.moveTo(scene.origin);
+  }
+
+  #texture(map: ColourMap): Texture {
+    const texture = this.#textures.get(map) ?? colourTexture(map);
+    this.#textures.set(map, texture);
+    return texture;
+  }
+
+  /** Leaves out the half of the membrane, and of the curves on it, that hides the other one. */
+  #cutOpen(clip: Clip): void {
+    const [surface, curves] = clip === "none" ? [] : HALVES[clip];
+    for (const { material } of [...this.#meshes, this.#initial]) material.clippingPlanes = surface ? [surface] : null;
+    for (const { material } of Object.values(this.#cuts)) material.clippingPlanes = curves ? [curves] : null;
   }
 
   #mesh(i: number): Mesh<BufferGeometry, MeshStandardMaterial> {
@@ -293,6 +339,7 @@ export class Solid {
     while (this.#labels.childElementCount < count) this.#labels.append(document.createElement("span"));
     const first = Math.ceil(this.#origin - REACH);
     const at = new Vector3();
+    let last = new Vector2(Number.NaN, Number.NaN);
     [...this.#labels.children].forEach((element, i) => {
       const span = element as HTMLElement;
       const part = i - (2 * REACH + 1);
@@ -306,8 +353,12 @@ export class Solid {
       const x = first + i;
       at.set(x - this.#origin, -1.02, -1.13).project(this.#camera);
       span.textContent = label(tidy(x * this.#factor));
-      span.style.opacity = String(Math.abs(at.x) < 1 && Math.abs(at.y) < 1 ? fadeOut(x - this.#origin) : 0);
       const [left, top] = [((at.x + 1) * width) / 2, ((1 - at.y) * this.#height) / 2];
+      // Seen along the channel, one number would lie over the other.
+      const hasRoom = !(last.distanceTo(new Vector2(left, top)) < LEAST_APART);
+      if (hasRoom) last = new Vector2(left, top);
+      const isSeen = hasRoom && Math.abs(at.x) < 1 && Math.abs(at.y) < 1;
+      span.style.opacity = String(isSeen ? fadeOut(x - this.#origin) : 0);
       span.style.transform = `translate(-50%, -50%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
     });
     this.#stage.dataset.rendered = "true";
@@ -321,11 +372,34 @@ function cutLine(): Line2 {
   return line;
 }
 
+/** Leads a line through points x, y, z, ...; its buffer, which is made where it is too short, holds pairs of ends. */
+function setLine(geometry: LineGeometry, points: Float32Array): void {
+  const count = points.length / 3 - 1;
+  const ends = geometry.getAttribute("instanceStart") as InterleavedBufferAttribute | undefined;
+  if (ends === undefined || ends.data.count < count) {
+    geometry.dispose();
+    geometry.setPositions(points);
+    return;
+  }
+  for (let i = 0; i < count; i++) ends.data.array.set(points.subarray(3 * i, 3 * i + 6), 6 * i);
+  ends.data.needsUpdate = true;
+  geometry.instanceCount = count;
+}
+
+/** Colours a material by a map, or by its own colour. */
+function paint(material: MeshStandardMaterial, map: Texture | null): void {
+  if (material.map === map) return;
+  // Whether there is one is compiled into the shader.
+  material.needsUpdate = (material.map === null) !== (map === null);
+  material.map = map;
+}
+
 /** Copies numbers into the geometry, whose buffer is made at the first call. */
-function replace(geometry: BufferGeometry, name: "position" | "normal", numbers: Float32Array): void {
+function replace(geometry: BufferGeometry, name: "position" | "normal" | "uv", numbers: Float32Array): void {
+  const size = name === "uv" ? 2 : 3;
   const attribute = geometry.getAttribute(name);
-  if (attribute === undefined || attribute.count * 3 !== numbers.length) {
-    geometry.setAttribute(name, new BufferAttribute(numbers.slice(), 3));
+  if (attribute === undefined || attribute.count * size !== numbers.length) {
+    geometry.setAttribute(name, new BufferAttribute(numbers.slice(), size));
   } else {
     (attribute as BufferAttribute).copyArray(numbers).needsUpdate = true;
   }

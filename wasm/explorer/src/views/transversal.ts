@@ -6,7 +6,7 @@ import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 const HALF_EXTENT = 1.16;
 const AXIS = 26;
 
-/** The section across the square channel, looking along the flow. */
+/** The section across the square channel, seen from the front, against the flow: y to the right, z upwards. */
 export class Transversal implements ViewPart {
   readonly needs: readonly Need[] = [];
   readonly #svg: SVGSVGElement;

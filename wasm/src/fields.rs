@@ -1,0 +1,104 @@
+//! Scalar fields on the membrane: how far and how fast its nodes move, and its mechanics.
+
+use crate::evaluation::Evaluation;
+use capsule_core::mechanics::Deformation;
+use capsule_core::{EvaluateError, Frame, Instant, Nodes, Scene};
+use wasm_bindgen::prelude::*;
+
+const FIELDS: &str = "displacement, velocity, stretch_1, stretch_2, tension_1, tension_2, energy_density and load";
+
+#[wasm_bindgen]
+impl Evaluation {
+    /// A field at the nodes, by its name:
+    ///
+    /// - "displacement" since the instant 0, and "velocity": their magnitudes in the frame "laboratory" or "centroid";
+    /// - "stretch_1" >= "stretch_2": principal extension ratios;
+    /// - "tension_1" >= "tension_2": principal tensions, in G_s, negative where the membrane is compressed;
+    /// - "energy_density": elastic energy per stress-free area, in G_s;
+    /// - "load": magnitude of the load of the fluid on the membrane, in mu V / l.
+    ///
+    /// A model that is not one of a capsule in the channel has the first two.
+    ///
+    /// # Errors
+    /// As [`Evaluation::readings`]; an unknown name; mechanics of a model whose stress-free state is not known.
+    pub fn field(&mut self, name: &str, frame: &str) -> Result<Vec<f32>, JsError> {
+        let frame = match frame {
+            "laboratory" => Frame::Laboratory,
+            "centroid" => Frame::Centroid,
+            other => {
+                return Err(JsError::new(&format!(
+                    "frame {other:?} is unknown; there are laboratory and centroid"
+                )));
+            }
+        };
+        let scene = Scene {
+            nodes: Nodes::All,
+            frame,
+        };
+        match name {
+            "displacement" => self.displacement(&scene),
+            "velocity" => {
+                let velocities = self.vectors(|instant, out| instant.velocities(&scene, out))?;
+                Ok(velocities.into_iter().map(length).collect())
+            }
+            "stretch_1" => self.mechanics(|at, _| Ok(at.stretches()[0])),
+            "stretch_2" => self.mechanics(|at, _| Ok(at.stretches()[1])),
+            "tension_1" => self.mechanics(|at, _| Ok(at.tensions()[0])),
+            "tension_2" => self.mechanics(|at, _| Ok(at.tensions()[1])),
+            "energy_density" => self.mechanics(|at, _| Ok(at.energy_density())),
+            "load" => self.mechanics(|at, capillary_number| at.load(capillary_number).map(length)),
+            other => Err(JsError::new(&format!("field {other:?} is unknown; there are {FIELDS}"))),
+        }
+    }
+}
+
+impl Evaluation {
+    fn displacement(&mut self, scene: &Scene<'_>) -> Result<Vec<f32>, JsError> {
+        let now = self.vectors(|instant, out| instant.positions(scene, out))?;
+        let t = self.t;
+        self.go_to(0.0);
+        let start = self.vectors(|instant, out| instant.positions(scene, out));
+        self.go_to(t);
+        let moved = |(now, start): (&[f32; 3], &[f32; 3])| length([0, 1, 2].map(|axis| now[axis] - start[axis]));
+        Ok(now.iter().zip(&start?).map(moved).collect())
+    }
+
+    /// Vectors at all nodes, by what writes them.
+    fn vectors(
+        &mut self,
+        fill: impl FnOnce(&mut Instant<'_, '_, f32>, &mut [[f32; 3]]) -> Result<usize, EvaluateError>,
+    ) -> Result<Vec<[f32; 3]>, JsError> {
+        let mut vectors = vec![[0.0; 3]; self.shared.nodes];
+        self.ask(|instant| fill(instant, &mut vectors))?;
+        Ok(vectors)
+    }
+
+    /// A quantity of the deformation at all nodes; it is given the capillary number too.
+    fn mechanics(
+        &mut self,
+        quantity: impl Fn(&Deformation<f32>, f32) -> Result<f32, EvaluateError>,
+    ) -> Result<Vec<f32>, JsError> {
+        let shared = self.shared.clone();
+        let mesh = shared.core().mesh();
+        let mut sector = vec![[0.0; 3]; mesh.sector_nodes().len()];
+        let stencils = shared.stencils()?;
+        let capillary_number = self.query.as_ref().map_or(f32::NAN, |query| query.parameters.get(0));
+        self.ask(|instant| {
+            let membrane = instant.membrane(&mut sector)?;
+            let deformations = stencils.iter().map(|stencil| membrane.deformation(stencil));
+            let deformations: Vec<Deformation<f32>> = deformations.collect::<Result<_, _>>()?;
+            let at = |node| {
+                let (index, operation) = mesh.origin(node).ok_or(EvaluateError::UnknownNode {
+                    node,
+                    nodes: mesh.nodes(),
+                })?;
+                quantity(&deformations[index].transformed(operation), capillary_number)
+            };
+            (0..mesh.nodes()).map(at).collect()
+        })
+    }
+}
+
+fn length(vector: [f32; 3]) -> f32 {
+    vector.iter().map(|x| x * x).sum::<f32>().sqrt()
+}
