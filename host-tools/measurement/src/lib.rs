@@ -58,10 +58,12 @@ mod answer;
 mod bench;
 mod error;
 mod outline;
+mod said;
 mod seen;
 
 pub use answer::{Answer, Ends, Other, ends};
 pub use bench::{Bench, Request, Solved};
 pub use error::{Input, MeasurementError};
-pub use outline::{Outline, Said, is_picture};
+pub use outline::{Outline, is_picture};
+pub use said::Said;
 pub use seen::{Seen, Summary};

@@ -1,7 +1,7 @@
 //! The outline of a capsule in a picture, and its scale.
 
 use crate::error::MeasurementError;
-use crate::outline::Said;
+use crate::said::Said;
 use capsule_contour::{Axis, Capsule, Found, Picture, Settings};
 use capsule_identify::Direction;
 use serde::Serialize;

@@ -1,7 +1,7 @@
-import type { Frame, Quantity, Query } from "../app/schema";
+import { type Frame, QUANTITIES, type Quantity, type Query } from "../app/schema";
 import type { Evaluation, Model } from "../wasm/capsule_wasm";
-import { type Domain, ORDER, prepare } from "./capsule";
 import type { FieldName } from "./fields";
+import { type Domain, prepare } from "./prepare";
 
 export type Outline = "midplane" | "diagonal";
 
@@ -52,7 +52,7 @@ export class Answer {
 
   /** A read-out in the model's units; undefined is a bound that does not exist. */
   read(quantity: Quantity): number | undefined {
-    const value = this.#numbers()[ORDER.indexOf(quantity)];
+    const value = this.#numbers()[QUANTITIES.indexOf(quantity)];
     return value === undefined || Number.isNaN(value) ? undefined : value;
   }
 
@@ -69,7 +69,7 @@ export class Answer {
 
   /** Axial position of the centroid, in the drawn length. */
   get centroid(): number {
-    return (this.#numbers()[ORDER.length] ?? 0) / this.#length;
+    return (this.#numbers()[QUANTITIES.length] ?? 0) / this.#length;
   }
 
   /** An outline, x, r, x, r, ..., laboratory frame, in the drawn length. */

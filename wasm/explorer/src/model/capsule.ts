@@ -1,9 +1,8 @@
-import { QUANTITIES, type Quantity, type Query, type State } from "../app/schema";
+import type { Quantity, Query, State } from "../app/schema";
 import { type Evaluation, Model } from "../wasm/capsule_wasm";
 import { Answer } from "./answer";
+import { prepare } from "./prepare";
 import { type Units, unitsOf } from "./units";
-
-export type Domain = "inside" | "beyond-steady-limit" | "far-from-samples" | "outside";
 
 /** What a view may need of a model. */
 export type Need = "outlines" | "channel";
@@ -94,11 +93,3 @@ export class Capsule {
     return lane;
   }
 }
-
-/** Sets a query; throws with the core's words where it is refused. */
-export function prepare(evaluation: Evaluation, { parameters, method, extrapolate }: Query): Domain {
-  return evaluation.prepare(Float64Array.from(parameters), method, extrapolate) as Domain;
-}
-
-/** The order of the numbers that the core gives at once. */
-export const ORDER: readonly Quantity[] = QUANTITIES;
