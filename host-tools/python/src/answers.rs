@@ -3,7 +3,7 @@
 use crate::batch::Queries;
 use crate::model::Model;
 use capsule_core::mechanics::Deformation;
-use capsule_core::{EvaluateError, Frame, Instant, Nodes, Scene};
+use capsule_core::{EvaluateError, Frame, Instant, Nodes, Scene, silhouette};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -174,6 +174,29 @@ impl Batch {
             .fill(py, &singles(&times), 2 * count, out, |instant, _, out| {
                 instant.outline(plane, frame, out.as_chunks_mut().0)?;
                 Ok(())
+            })
+    }
+
+    /// Points x, w of the silhouette, front to rear, seen across the direction cos(angle) y + sin(angle) z.
+    fn silhouette(
+        &self,
+        py: Python<'_>,
+        angle: f64,
+        points: usize,
+        times: PyReadonlyArray1<'_, f64>,
+        frame: &str,
+        out: PyReadwriteArray1<'_, f32>,
+    ) -> PyResult<()> {
+        let frame = frame_of(frame)?;
+        let across = [angle.cos() as f32, angle.sin() as f32];
+        let mesh = self.queries.shared.core().mesh();
+        self.queries
+            .fill(py, &singles(&times), 2 * points, out, |instant, _, out| {
+                let mut positions = vec![[0.0; 3]; mesh.nodes()];
+                let mut normals = vec![[0.0; 3]; mesh.sector_nodes().len()];
+                let nodes = Nodes::All;
+                instant.positions(&Scene { nodes, frame }, &mut positions)?;
+                silhouette(&mesh, &positions, across, &mut normals, out.as_chunks_mut().0)
             })
     }
 

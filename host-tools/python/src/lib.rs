@@ -6,6 +6,7 @@
 
 mod answers;
 mod batch;
+mod identify;
 mod model;
 
 use pyo3::exceptions::PyValueError;
@@ -18,6 +19,12 @@ pyo3::create_exception!(
     "A model file was not opened."
 );
 pyo3::create_exception!(capsule_rom, QueryError, PyValueError, "A query was not answered.");
+pyo3::create_exception!(
+    capsule_rom,
+    MeasurementError,
+    PyValueError,
+    "A measurement cannot be identified."
+);
 
 /// The compiled part of capsule_rom.
 #[pymodule]
@@ -25,6 +32,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("ModelFileError", module.py().get_type::<ModelFileError>())?;
     module.add("QueryError", module.py().get_type::<QueryError>())?;
+    module.add("MeasurementError", module.py().get_type::<MeasurementError>())?;
     module.add_class::<model::Model>()?;
+    module.add_class::<identify::Identifier>()?;
     module.add_class::<answers::Batch>()
 }

@@ -10,12 +10,16 @@ Lengths are in l (half the channel's side), velocities in V (mean velocity of th
 numbers are single precision: the bits of the command line, the browser and a microcontroller.
 """
 
-from ._core import ModelFileError, QueryError, __version__
+from ._core import MeasurementError, ModelFileError, QueryError, __version__
+from .identification import Estimate, Identification
 from .model import Model, Parameter, load
 from .prediction import Fields, Observables, Prediction, Totals
 
 __all__ = [
+    "Estimate",
     "Fields",
+    "Identification",
+    "MeasurementError",
     "Model",
     "ModelFileError",
     "Observables",

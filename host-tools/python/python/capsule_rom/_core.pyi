@@ -1,4 +1,4 @@
-from typing import Optional
+from typing import Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ __version__: str
 
 class ModelFileError(ValueError): ...
 class QueryError(ValueError): ...
+class MeasurementError(ValueError): ...
 
 class Model:
     @staticmethod
@@ -41,6 +42,24 @@ class Model:
     def samples(self) -> Doubles: ...
     def steady_limit(self, confinements: list[float]) -> Optional[Doubles]: ...
 
+class Identifier:
+    def __init__(self, model: Model, observable: str) -> None: ...
+    def identify(
+        self,
+        contour: Union[Doubles, tuple[str, bytes], None],
+        half_width_um: float,
+        flow: tuple[str, float],
+        viscosity_pa_s: float,
+        unit: Optional[str],
+        pixel_um: Optional[float],
+        direction: str,
+        capsule: Optional[int],
+        noise_um: Optional[float],
+        edge_px: Optional[float],
+        scale_error: Optional[float],
+        lengths: list[Optional[tuple[float, float]]],
+    ) -> tuple[str, Doubles]: ...
+
 class Batch:
     def __init__(
         self, model: Model, parameters: Doubles, method: Optional[str], extrapolate: bool, skip_refused: bool
@@ -51,4 +70,5 @@ class Batch:
     def totals(self, times: Doubles, out: Singles) -> None: ...
     def vectors(self, kind: str, times: Doubles, nodes: Optional[list[int]], frame: str, out: Singles) -> None: ...
     def outline(self, plane: str, times: Doubles, frame: str, out: Singles) -> None: ...
+    def silhouette(self, angle: float, points: int, times: Doubles, frame: str, out: Singles) -> None: ...
     def fields(self, times: Doubles, out: Singles) -> None: ...

@@ -8,7 +8,8 @@ from typing import Literal, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
+from . import _core, identification
+from .identification import Direction, Identification, Measured
 from .prediction import Prediction
 
 
@@ -25,6 +26,7 @@ class Model:
 
     def __init__(self, core: _core.Model) -> None:
         self._core = core
+        self._identifiers: dict[str, _core.Identifier] = {}
 
     def __repr__(self) -> str:
         ranges = ", ".join(f"{name} {low:g} to {high:g}" for name, low, high in self.parameters)
@@ -131,6 +133,63 @@ class Model:
         rows = np.ascontiguousarray(np.stack(flat, axis=1) if flat else np.empty((1, 0)))
         batch = _core.Batch(self._core, rows.reshape(size, len(arrays)), method, extrapolate, invalid == "nan")
         return Prediction(self._core, batch, shape)
+
+    def identify(
+        self,
+        contour: Union[ArrayLike, str, os.PathLike[str], None] = None,
+        *,
+        observable: Literal["midplane", "silhouette"],
+        half_width_um: float,
+        viscosity_pa_s: float,
+        velocity_mm_s: Optional[float] = None,
+        flow_rate_ul_min: Optional[float] = None,
+        capsule_velocity_mm_s: Optional[float] = None,
+        unit: Optional[Literal["um", "px"]] = None,
+        pixel_um: Optional[float] = None,
+        flow: Direction = "found",
+        capsule: Optional[int] = None,
+        noise_um: Optional[float] = None,
+        edge_px: Optional[float] = None,
+        scale_error: Optional[float] = None,
+        axial_length_um: Optional[Measured] = None,
+        width_um: Optional[Measured] = None,
+        rear_depth_um: Optional[Measured] = None,
+        radius_um: Optional[Measured] = None,
+        velocity_ratio: Optional[Measured] = None,
+    ) -> Identification:
+        """Radius, Ca and surface shear modulus of a steady capsule, with intervals, as `capsule-rom identify`.
+
+        `contour` is an array `(points, 2)` of points in order around the capsule, in um, or in pixels of the size
+        `pixel_um`; or the path of a text or a picture. Without it at least two lengths are needed, each a value and its
+        standard deviation. `half_width_um` is half the channel's side; one of the three velocities is needed;
+        `velocity_ratio` is the capsule's over the liquid's. `edge_px` and `scale_error` are the standard deviations of
+        the edge (0.25 pixels) and the relative scale (0.005). `capsule` chooses one of several in a picture.
+
+        Raises `MeasurementError` if the measurement cannot be one of a capsule in the channel.
+        """
+        if observable not in self._identifiers:
+            self._identifiers[observable] = _core.Identifier(self._core, observable)
+        return identification.identify(
+            self._identifiers[observable],
+            contour,
+            half_width_um=half_width_um,
+            viscosity_pa_s=viscosity_pa_s,
+            velocity_mm_s=velocity_mm_s,
+            flow_rate_ul_min=flow_rate_ul_min,
+            capsule_velocity_mm_s=capsule_velocity_mm_s,
+            unit=unit,
+            pixel_um=pixel_um,
+            flow=flow,
+            capsule=capsule,
+            noise_um=noise_um,
+            edge_px=edge_px,
+            scale_error=scale_error,
+            axial_length_um=axial_length_um,
+            width_um=width_um,
+            rear_depth_um=rear_depth_um,
+            radius_um=radius_um,
+            velocity_ratio=velocity_ratio,
+        )
 
 
 def load(path: Union[str, os.PathLike[str], None] = None) -> Model:

@@ -141,6 +141,25 @@ class Prediction:
         self._batch.outline(plane, times, frame, out.reshape(-1))
         return out
 
+    def silhouette(
+        self,
+        t: ArrayLike,
+        angle: float = 0.0,
+        points: int = 257,
+        frame: Frame = "laboratory",
+        out: Optional[Singles] = None,
+    ) -> Singles:
+        """Points x, w of the outline of the projection, front to rear, on the side w >= 0: `B + T + (points, 2)`, in l.
+
+        w = cos(angle) y + sin(angle) z, seen along the axis across to it: with `angle` 0, in radians, along z. The other
+        side is the mirror image.
+        """
+        if points < 3:
+            raise ValueError(f"points is {points}: at least 3 are needed")
+        times, out = self._prepare(t, (points, 2), out)
+        self._batch.silhouette(angle, points, times, frame, out.reshape(-1))
+        return out
+
     def fields(self, t: ArrayLike) -> Fields:
         """Mechanics of the membrane at all nodes."""
         count = self._model.node_count
