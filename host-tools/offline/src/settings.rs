@@ -236,7 +236,7 @@ impl Settings {
             Truncation::Ranks(Ranks { space, parameter }) => {
                 for (name, value) in [("space rank", space), ("parameter rank", parameter)] {
                     if !(1..=MAX_MODES).contains(&value) {
-                        return bad(name, value as f64, "a rank from 1 to 96");
+                        return bad(name, value as f64, "a rank from 1 to 128");
                     }
                 }
             }
