@@ -19,6 +19,9 @@ pub struct Options {
     /// Noisy trials of each configuration
     #[arg(long, default_value_t = 17)]
     repeats: usize,
+    /// Only the series of this name [default: all]
+    #[arg(long, value_name = "NAME")]
+    series: Option<String>,
     /// Write all trials and the table into this folder
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -31,8 +34,9 @@ pub struct Options {
 }
 
 const EXAMPLES: &str = "\
-Example:
+Examples:
   capsule-rom study identify --out identify/
+  capsule-rom study identify --out own/ --series '0.1 px, own outlines' --repeats 17
 
 Contours are drawn along outlines of the full-order model at configurations that no sample shares, one point a pixel, \
 100 pixels per l, and identified. In each noisy trial the edge (0.25 px), the scale (0.5 %) and the tilt (0.02) are \
@@ -52,7 +56,8 @@ pub fn run(options: &Options) -> Result<()> {
     let bar = progress::tasks(options.quiet);
     let mut all = Vec::new();
     outputs.write_into(&options.out, |folder| {
-        all = capsule_study::identify::identify(&model, &tests, options.repeats, folder, &|task, done, of| {
+        let wanted = (options.repeats, options.series.as_deref());
+        all = capsule_study::identify::identify(&model, &tests, wanted, folder, &|task, done, of| {
             progress::show(&bar, task, done, of);
         })?;
         Ok(())

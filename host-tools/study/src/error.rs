@@ -30,6 +30,14 @@ pub enum StudyError {
     /// No capsule was found in a drawn picture.
     #[error("no capsule is found in a picture: {0}")]
     Picture(#[from] capsule_contour::PictureError),
+    /// No series of the study has this name.
+    #[error("no series is named \"{name}\": there are \"{known}\"")]
+    UnknownSeries {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The test set and the model have nothing in common.
     #[error("no configuration of the test set lies in the model's domain, with snapshots at the instants compared")]
     NothingToCompare,

@@ -47,8 +47,7 @@ Examples:
   capsule-rom identify batch table.csv --out results.csv
   capsule-rom identify batch table.csv --out results.jsonl --json --plot histograms.svg
   capsule-rom identify batch files.csv --out results.csv --half-width-um 25 -o midplane
-  capsule-rom identify batch events.rtdc --out results.csv --pixel-um 0.34 --half-width-um 10 \\
-      --flow-rate-ul-min 2.4 --viscosity-pa-s 0.006 -o silhouette --channel square
+  capsule-rom identify batch events.rtdc --out results.csv --pixel-um 0.34 -o silhouette
 
 The options hold for all rows; a cell that is not empty says otherwise for its row. Paths are relative to the table. \
 The deviation of a length is in a column of its own, such as axial_length_um_deviation.

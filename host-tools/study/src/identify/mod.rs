@@ -87,21 +87,32 @@ const HEADING: [&str; 13] = [
     "verdict",
 ];
 
-/// Runs the study: `repeats` noisy trials of each configuration. Writes all trials as `trials.csv` and the series as
-/// `series.json` into the folder.
+/// Runs the study: `repeats` noisy trials of each configuration, of all series or of those with a name. Writes all trials
+/// as `trials.csv` and the series as `series.json` into the folder.
 ///
 /// # Errors
-/// Those of the database and of the model; a folder that cannot be written.
+/// Those of the database and of the model; a name that no series has; a folder that cannot be written.
 pub fn identify(
     model: &Model<'_>,
     tests: &Database,
-    repeats: usize,
+    (repeats, name): (usize, Option<&str>),
     out: &Path,
     progress: capsule_offline::Progress,
 ) -> Result<Vec<Series>, StudyError> {
+    let mut plans = plans();
+    if let Some(name) = name {
+        let known: Vec<&str> = plans.iter().map(|plan| plan.name).collect();
+        if !known.contains(&name) {
+            return Err(StudyError::UnknownSeries {
+                name: name.to_owned(),
+                known: known.join("\", \""),
+            });
+        }
+        plans.retain(|plan| plan.name == name);
+    }
     let mut all = Vec::new();
     let mut rows = Vec::new();
-    let steps = 2 * plans().len();
+    let steps = 2 * plans.len();
     for observable in [Observable::Midplane, Observable::Silhouette] {
         let truths = Truth::all(model, tests, observable)?;
         if truths.is_empty() {
@@ -110,7 +121,7 @@ pub fn identify(
         let mut bench = Bench::new(model);
         let (mut shapes, points) = bench.shapes(model, observable);
         let grid = Grid::new(&mut shapes)?;
-        for plan in plans() {
+        for plan in &plans {
             progress("identify", all.len(), steps);
             let mut random = Random(SEED);
             let (mut trials, mut refused) = (Vec::new(), 0);
@@ -155,10 +166,10 @@ pub fn identify(
                 Observable::Midplane => "midplane",
                 Observable::Silhouette => "silhouette",
             };
-            rows.extend(trials.iter().map(|trial| row(observable, &plan, trial)));
+            rows.extend(trials.iter().map(|trial| row(observable, plan, trial)));
             all.push(Series {
                 refused,
-                ..Series::new(model, observable, &plan, &trials)
+                ..Series::new(model, observable, plan, &trials)
             });
         }
     }
