@@ -1,7 +1,7 @@
 //! From the file of an outline to an identified capsule.
 //!
-//! [`Outline::read`] takes a text or a picture, [`Bench::identify`] fits the model to it, and the [`Answer`] has values,
-//! intervals and units. The command `capsule-rom identify` and the page identify by the same calls.
+//! [`Outline::read`] takes a text or a picture, [`Bench::identify`] fits the model to it, and the [`Answer`] has
+//! values, intervals and units. The command `capsule-rom identify` and the page identify by the same calls.
 //!
 //! ```
 //! use capsule_core::Model;

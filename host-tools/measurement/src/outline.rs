@@ -42,7 +42,8 @@ pub fn is_picture(name: &Path, bytes: &[u8]) -> bool {
 }
 
 impl Outline {
-    /// Reads a file: a picture or a text, as [`is_picture`] has it. `warnings` gets what is to be known of it, in words.
+    /// Reads a file: a picture or a text, as [`is_picture`] has it. `warnings` gets what is to be known of it, in
+    /// words.
     ///
     /// # Errors
     /// A file that holds no outline, or lacks its scale.

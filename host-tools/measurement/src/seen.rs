@@ -173,8 +173,8 @@ fn scale(found: &Found, said: &Said, warnings: &mut Vec<String>) -> Result<(f64,
         (Some(given), _) if !(given.is_finite() && given > 0.0) => Err(MeasurementError::Pixel(given)),
         (Some(given), Some(walls)) if (given / walls - 1.0).abs() > SAME_SCALE => {
             warnings.push(format!(
-                "the walls would be {:.2} um apart by the size of a pixel, and are {channel_um:.2} um by the half width \
-                 of the channel",
+                "the walls would be {:.2} um apart by the size of a pixel, and are {channel_um:.2} um by the half \
+                 width of the channel",
                 channel_um * given / walls
             ));
             Ok((given, GIVEN))

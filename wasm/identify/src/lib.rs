@@ -1,6 +1,6 @@
 //! The identification of a capsule in the browser. The page loads this module when it is asked for, into a worker.
-//! Answers are those of the command `capsule-rom identify`, by the same calls; every failure is a JavaScript `Error` with
-//! the text of the crate that found it.
+//! Answers are those of the command `capsule-rom identify`, by the same calls; every failure is a JavaScript `Error`
+//! with the text of the crate that found it.
 
 mod identifier;
 mod said;
@@ -27,10 +27,10 @@ impl Identifier {
     }
 
     /// Identifies the capsule whose outline a file shows, a text or a picture. `said` and the result are JSON objects:
-    /// `half_width_um`, `mean_velocity_mm_s`, `viscosity_pa_s`, `observable`, `unit`, `pixel_um`, `flow`, `capsule`; the
-    /// command's `answer`, the `contour` and the fitted `outline` in l in the capsule's frame, the half with r >= 0 from
-    /// the front to the rear, the `levels` of the rise of the sum of squares at the borders of the regions of 68 and 95
-    /// %, and the ranges `around` of Ca and a/l that hold them.
+    /// `half_width_um`, `mean_velocity_mm_s`, `viscosity_pa_s`, `observable`, `unit`, `pixel_um`, `flow`, `capsule`;
+    /// the command's `answer`, the `contour` and the fitted `outline` in l in the capsule's frame, the half with r >= 0
+    /// from the front to the rear, the `levels` of the rise of the sum of squares at the borders of the regions of 68
+    /// and 95 %, and the ranges `around` of Ca and a/l that hold them.
     ///
     /// # Errors
     /// What is wrong with the file or with what is said.

@@ -30,8 +30,8 @@ pub struct Given {
     /// Picture of the empty channel, by the same camera, to be taken away from the picture
     #[arg(long, value_name = "PICTURE")]
     pub background: Option<PathBuf>,
-    /// Which of several capsules in a picture: 1 is the leftmost, or the uppermost in a vertical channel. Which event of
-    /// an RT-DC file
+    /// Which of several capsules in a picture: 1 is the leftmost, or the uppermost in a vertical channel. Which event
+    /// of an RT-DC file
     #[arg(long, value_name = "NUMBER")]
     pub capsule: Option<usize>,
     /// Criterion for the edge in a picture [default: gradient, half-level in masks]

@@ -19,7 +19,7 @@ Direction = Literal["right", "left", "up", "down", "found"]
 
 @dataclass(frozen=True)
 class Estimate:
-    """A quantity with its intervals. None is an end at the edge of the sampled domain, beyond which nothing is known."""
+    """A quantity with its intervals. None is an end at the edge of the sampled domain: nothing is known beyond."""
 
     value: float
     interval_68: Interval

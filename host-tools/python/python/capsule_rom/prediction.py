@@ -151,8 +151,8 @@ class Prediction:
     ) -> Singles:
         """Points x, w of the outline of the projection, front to rear, on the side w >= 0: `B + T + (points, 2)`, in l.
 
-        w = cos(angle) y + sin(angle) z, seen along the axis across to it: with `angle` 0, in radians, along z. The other
-        side is the mirror image.
+        w = cos(angle) y + sin(angle) z, seen along the axis across to it: with `angle` 0, in radians, along z. The
+        other side is the mirror image.
         """
         if points < 3:
             raise ValueError(f"points is {points}: at least 3 are needed")

@@ -87,8 +87,8 @@ const HEADING: [&str; 13] = [
     "verdict",
 ];
 
-/// Runs the study: `repeats` noisy trials of each configuration, of all series or of those with a name. Writes all trials
-/// as `trials.csv` and the series as `series.json` into the folder.
+/// Runs the study: `repeats` noisy trials of each configuration, of all series or of those with a name. Writes all
+/// trials as `trials.csv` and the series as `series.json` into the folder.
 ///
 /// # Errors
 /// Those of the database and of the model; a name that no series has; a folder that cannot be written.

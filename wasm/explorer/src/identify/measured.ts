@@ -97,7 +97,7 @@ export class Measured implements ViewPart {
     return this.#layer;
   }
 
-  /** The misfit at a place, in standard deviations; undefined until it is known, and not a number outside the domain. */
+  /** The misfit at a place, in standard deviations: undefined until it is known, not a number outside the domain. */
   misfit({ ca, confinement }: Point): number | undefined {
     const key = `${ca} ${confinement}`;
     const known = this.#misfits.get(key);

@@ -74,7 +74,8 @@ export class MeasuredView implements ViewPart {
     const parts: Node[] = [table(answer), html("p", { className: "errors", textContent: details(answer) })];
     if (answer.alternative !== undefined) {
       const { ca, confinement, rise_of_chi_squared: rise } = answer.alternative;
-      const words = `Another solution: Ca ${ca.toFixed(5)}, a/ℓ ${confinement.toFixed(4)}, χ² greater by ${rise.toFixed(2)}.`;
+      const place = `Ca ${ca.toFixed(5)}, a/ℓ ${confinement.toFixed(4)}`;
+      const words = `Another solution: ${place}, χ² greater by ${rise.toFixed(2)}.`;
       parts.push(html("p", { textContent: words }));
     }
     for (const warning of answer.warnings ?? []) {

@@ -16,30 +16,31 @@ const STEPS: readonly Step[] = [
   {
     part: ".query",
     title: "Two numbers choose the motion",
-    words: `<p>The capillary number <i class="symbol">Ca</i> = <i class="symbol">μV</i>/<i class="symbol">G</i><sub>s</sub>
-      sets viscous against elastic forces: a large one deforms the capsule more. The confinement
-      <i class="symbol">a/ℓ</i> is its radius against half the channel’s side.</p>
+    words: `<p>The capillary number <i class="symbol">Ca</i> = <i class="symbol">μV</i>/<i
+      class="symbol">G</i><sub>s</sub> sets viscous against elastic forces: a large one deforms the capsule more. The
+      confinement <i class="symbol">a/ℓ</i> is its radius against half the channel’s side.</p>
       <p>Type them, or drag the point on the map. <b>Units…</b> finds them from the sizes of an experiment.</p>`,
   },
   {
     part: ".choices",
     title: "Two methods on the same data",
-    words: `<p><b>Direct</b> interpolates the motion itself, at any instant. <b>Paper</b> steps in time as the publication
-      does. The stated error says which is closer to the full-order model.</p>
+    words: `<p><b>Direct</b> interpolates the motion itself, at any instant. <b>Paper</b> steps in time as the
+      publication does. The stated error says which is closer to the full-order model.</p>
       <p>Shapes are seen from the laboratory, or from the capsule’s centroid.</p>`,
   },
   {
     // In one column the views have no box around them: the first one then.
     part: ".figures, .figures .view",
     title: "One capsule, seen and cut",
-    words: `<p>Each plane has one colour, in space and in its section. The membrane can show its tension, stretch, energy,
-      load or motion, and is cut open to look inside. A band around an outline is as wide as the error’s bound.</p>`,
+    words: `<p>Each plane has one colour, in space and in its section. The membrane can show its tension, stretch,
+      energy, load or motion, and is cut open to look inside. A band around an outline is as wide as the error’s
+      bound.</p>`,
   },
   {
     part: ".readouts",
     title: "Numbers, and how far to trust them",
-    words: `<p>Choose one to plot it along time. 95 % of the errors lie below the bound; “≈” marks numbers whose bound is
-      large or unknown. <b>Pin</b> keeps a query, and compares others with it.</p>`,
+    words: `<p>Choose one to plot it along time. 95 % of the errors lie below the bound; “≈” marks numbers whose bound
+      is large or unknown. <b>Pin</b> keeps a query, and compares others with it.</p>`,
   },
   {
     part: ".transport",
@@ -52,8 +53,8 @@ const STEPS: readonly Step[] = [
     title: "Where it comes from, and how to cite it",
     words: `<p>The model holds simulations of a full-order model, the dots on the map: boundary integrals for the flow,
       finite elements for the membrane. Its digest names it in every link and file.</p>
-      <p>Cite Boubehziz et al., <cite>Entropy</cite> 2021, 23, 1193, and capsule-rom with the digest; every exported file
-      has both.</p>`,
+      <p>Cite Boubehziz et al., <cite>Entropy</cite> 2021, 23, 1193, and capsule-rom with the digest; every exported
+      file has both.</p>`,
   },
 ];
 
