@@ -282,7 +282,7 @@ test("the module is loaded when it is asked for, and the page goes on while it w
   await page.waitForFunction(() => !/computed/.test(document.querySelector("#map-legend").textContent));
   assert.ok((await page.locator("#map .contour").count()) >= 3);
   assert.equal(await modules(), 1);
-  // What comes late is dropped: of two files the last one is answered.
+  // Late answers are dropped: of two files the last one is answered.
   await drop(page, "first.csv", TEXT);
   await drop(page, "few.csv", TEXT.split("\n").slice(0, 6).join("\n"));
   await page.waitForSelector("#measured-verdict.problem");

@@ -73,7 +73,7 @@ test("the page works without a network after the first visit", async (context) =
   }
   await page.goto("about:blank");
   await page.goto(`${server.url}#views=solid&colour=load&t=4`);
-  // What is loaded when it is first needed is kept as well.
+  // Files that are loaded when they are first needed are kept as well.
   await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
   assert.deepEqual(errors, []);
   await page.goto(`${server.url}THIRD-PARTY.txt`);

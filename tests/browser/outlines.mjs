@@ -3,7 +3,7 @@
 import { crc32, deflateSync } from "node:zlib";
 import { capsuleRom, MODEL, openModel } from "./support.mjs";
 
-/** What is said of the outlines below: the fragment of a link, and the options of the command. */
+/** Information on the outlines below: the fragment of a link, and the options of the command. */
 export const HALF_WIDTH_UM = 25;
 export const SETUP = `&half=${HALF_WIDTH_UM}&vel=5&visc=0.8`;
 const OPTIONS = ["--half-width-um", HALF_WIDTH_UM, "--velocity-mm-s", 5, "--viscosity-pa-s", 0.8];

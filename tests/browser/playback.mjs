@@ -1,4 +1,4 @@
-// What a frame of the playback with all views costs: `npm run playback`, after `cargo xtask explore --build-only`.
+// Cost of a frame of the playback with all views: `npm run playback`, after `cargo xtask explore --build-only`.
 // The time of the page's own thread: how fast a graphics card draws is not the page's. --profile names the functions.
 
 import { openPage, serve, startBrowser } from "./support.mjs";

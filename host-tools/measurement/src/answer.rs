@@ -82,12 +82,12 @@ pub struct Answer {
     /// Findings in a picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub picture: Option<Summary>,
-    /// What is to be known of it.
+    /// Warnings, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Digest of the model.
     pub model_digest: String,
-    /// What the model's errors are taken against.
+    /// The solution that the model's errors are taken against.
     pub errors_against: String,
 }
 

@@ -54,7 +54,7 @@ impl Request {
 /// The result of an identification.
 #[derive(Debug)]
 pub struct Solved {
-    /// What was found.
+    /// The best fit.
     pub found: Identification,
     /// The model's shape there.
     pub shape: Shape,

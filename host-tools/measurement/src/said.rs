@@ -1,10 +1,10 @@
-//! What is said of an outline beside its file.
+//! Information on an outline beside its file.
 
 use capsule_contour::text::Unit;
 use capsule_contour::{Edge, Picture};
 use capsule_identify::Direction;
 
-/// What is said of an outline beside its file.
+/// Information on an outline beside its file.
 #[derive(Clone, Debug)]
 pub struct Said {
     /// Half the side of the channel, in um.

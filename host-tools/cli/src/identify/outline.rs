@@ -50,7 +50,7 @@ fn from(path: &Path, bytes: &[u8], given: &Given, half_width_um: f64, warnings: 
     Ok(outline)
 }
 
-/// What the options say of an outline.
+/// Information beside the file of an outline, from the options.
 fn said(given: &Given, half_width_um: f64) -> Result<Said> {
     let background = given.background.as_deref().map(|path| {
         let bytes = std::fs::read(path).with_context(|| format!("could not read {}", path.display()))?;

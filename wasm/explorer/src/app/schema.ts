@@ -17,11 +17,11 @@ export type View = (typeof VIEWS)[number];
 export { QUANTITIES };
 export type Quantity = (typeof QUANTITIES)[number];
 
-/** What the map shows as contours. */
+/** Quantities that the map shows as contours. */
 export const LAYERS = ["none", ...QUANTITIES, "misfit"] as const;
 export type Layer = (typeof LAYERS)[number];
 
-/** What is seen of a capsule whose outline was measured. */
+/** Kinds of a measured outline. */
 export const OBSERVABLES = ["midplane", "silhouette"] as const;
 
 /** Units of a measured outline's numbers; "named": as its headings say. */
@@ -42,7 +42,7 @@ export type Scale = (typeof SCALES)[number];
 export const ALONG = ["time", "ca", "confinement"] as const;
 export type Along = (typeof ALONG)[number];
 
-/** What the membrane is coloured by in space: fields by their names in the core. */
+/** Fields that colour the membrane in space, by their names in the core. */
 export const COLOURS = [
   "none",
   "displacement",
@@ -211,7 +211,7 @@ const pins: Field<readonly Pin[]> = {
     value.every(({ parameters: values }) => values.length > 0 && values.every(Number.isFinite)),
 };
 
-/** What is typed of a measurement is no step of the browser's history. */
+/** Inputs of a measurement: a change of them is no step of the browser's history. */
 const MEASURED = { undo: false, model: "channel" } as const;
 const measured = (key: string) => number(key, 0, (value) => value >= 0, MEASURED);
 

@@ -4,7 +4,7 @@ import { fromBase64, toBase64 } from "./base64";
 
 const FORMAT = "capsule-explorer-session";
 
-/** What a saved session holds. */
+/** Contents of a saved session. */
 interface Session {
   readonly format: string;
   readonly version: number;

@@ -6,7 +6,7 @@ const BITS_PER_PIXEL = 0.3;
 /** Frames that wait for the encoder: more would only take memory. */
 const WAITING = 8;
 
-/** What players know best comes first. Both levels hold 2560 x 1440 at 30 frames a second. */
+/** The codec that most players know comes first. Both levels hold 2560 x 1440 at 30 frames a second. */
 const CODECS = [
   { codec: "avc1.640032", container: "avc" },
   { codec: "vp09.00.50.08", container: "vp9" },

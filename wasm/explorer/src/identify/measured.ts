@@ -192,7 +192,7 @@ function addressOf(bytes: Uint8Array): string | undefined {
   return type && `data:image/${type};base64,${toBase64(bytes)}`;
 }
 
-/** What the state says of the outline; in words, what it lacks. */
+/** Inputs of the outline from the state; in words, those that are missing. */
 function saidOf(state: State): Said | string {
   const needed = [
     ["half the channel’s side", state.halfWidth],

@@ -1,6 +1,6 @@
-/** What the page and its worker say to each other. */
+/** Messages between the page and its worker. */
 
-/** What is said of an outline beside its file, as the module takes it. */
+/** Information on an outline beside its file, as the module takes it. */
 export interface Said {
   readonly half_width_um: number;
   readonly mean_velocity_mm_s: number;
