@@ -123,7 +123,7 @@ impl Bench {
                 return Err(MeasurementError::TooManyPoints { found, most });
             }
             contour.crossing()?;
-            self.points.resize(found, Point::default());
+            self.make_room(found);
         }
         let (mut shapes, room) = self.shapes(model, request.observable);
         let (found, misfit) = identify_with_misfit(&mut shapes, grid, &measurement, room)?;
@@ -146,7 +146,12 @@ impl Bench {
         })
     }
 
-    /// The model's outlines, and memory for points.
+    /// Makes room for the points of a contour.
+    pub fn make_room(&mut self, points: usize) {
+        self.points.resize(points, Point::default());
+    }
+
+    /// The model's outlines, and the room for points.
     pub fn shapes<'a, 'w>(
         &'w mut self,
         model: &'a Model<'a>,

@@ -10,11 +10,12 @@ use std::path::Path;
 use capsule_core::{Domain, Model};
 use capsule_database::{Database, table};
 use capsule_identify::{Grid, Observable, Priors};
+use capsule_measurement::Bench;
 use serde::Serialize;
 
 use crate::StudyError;
 use crate::random::Random;
-use trials::{Bench, Known, Trial, by_contour, by_lengths};
+use trials::{Known, Trial, by_contour, by_lengths};
 use truth::{Drawing, HALF_WIDTH_UM, Truth, contour, normal};
 
 /// Pixels per l, unless a series says otherwise.
@@ -23,6 +24,8 @@ const PIXELS: f64 = 100.0;
 const COARSER: [f64; 3] = [125.0, 50.0, 25.0];
 /// Noise of the pictures, of the contrast.
 const PICTURE_NOISE: f64 = 0.02;
+/// Room for the points of a contour.
+const MOST_POINTS: usize = 4096;
 /// The seed of all trials.
 const SEED: u64 = 7;
 /// Share by which Ca may be off the border of buckling for a configuration to count as beside it.
@@ -119,6 +122,7 @@ pub fn identify(
             return Err(StudyError::NothingToCompare);
         }
         let mut bench = Bench::new(model);
+        bench.make_room(MOST_POINTS);
         let (mut shapes, points) = bench.shapes(model, observable);
         let grid = Grid::new(&mut shapes)?;
         for plan in &plans {

@@ -2,51 +2,14 @@
 
 use std::time::Instant;
 
-use capsule_core::Model;
 use capsule_identify::{
-    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Memory, NODES_ROOM, Observable,
-    Point, Priors, Setup, Shapes, Store, identify,
+    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Point, Priors, Setup, Shapes,
+    identify,
 };
 
 use super::truth::{HALF_WIDTH_UM, Truth, normal};
 use crate::StudyError;
 use crate::random::Random;
-
-/// Memory of one thread.
-pub(crate) struct Bench {
-    workspace: Box<Store>,
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    points: Vec<Point>,
-}
-
-impl Bench {
-    pub(crate) fn new(model: &Model<'_>) -> Self {
-        Self {
-            workspace: Box::new(Store::new()),
-            positions: vec![[0.0; 3]; NODES_ROOM * model.mesh().nodes()],
-            normals: vec![[0.0; 3]; model.mesh().sector_nodes().len()],
-            points: vec![Point::default(); 4096],
-        }
-    }
-
-    /// The model, and room for the points of a contour.
-    pub(crate) fn shapes<'a, 'w>(
-        &'w mut self,
-        model: &'a Model<'a>,
-        observable: Observable,
-    ) -> (Shapes<'a, 'w>, &'w mut [Point]) {
-        let memory = Memory {
-            workspace: &mut self.workspace,
-            positions: &mut self.positions,
-            normals: &mut self.normals,
-        };
-        (
-            Shapes::new(model, memory, observable, model.end_time()),
-            &mut self.points,
-        )
-    }
-}
 
 /// Known quantities of a trial beside the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
