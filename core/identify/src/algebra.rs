@@ -6,8 +6,16 @@ pub(crate) struct Factor<const N: usize>([[f64; N]; N]);
 
 impl<const N: usize> Factor<N> {
     pub(crate) fn new(matrix: &[[f64; N]; N]) -> Option<Self> {
+        Self::leading(matrix, N)
+    }
+
+    /// As [`new`](Self::new), of a matrix that is diagonal beyond some leading rows and columns.
+    pub(crate) fn leading(matrix: &[[f64; N]; N], count: usize) -> Option<Self> {
         let mut lower = [[0.0; N]; N];
-        for i in 0..N {
+        for i in count..N {
+            lower[i][i] = libm::sqrt(matrix[i][i]);
+        }
+        for i in 0..count {
             for j in 0..=i {
                 let sum = (0..j).fold(matrix[i][j], |sum, k| sum - lower[i][k] * lower[j][k]);
                 if i == j {

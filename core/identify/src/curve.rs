@@ -121,7 +121,7 @@ impl Curve {
     /// The nearest point to one that is near a point of the curve by number.
     pub(crate) fn nearest_from(&self, start: usize, [x, y]: [f64; 2]) -> Foot {
         const STEPS: usize = 5;
-        const CLOSE: f64 = 1e-9;
+        const CLOSE: f64 = 1e-5;
         let last = self.count.saturating_sub(1);
         let (low, high) = (start.saturating_sub(1) as f64, (start + 1).min(last) as f64);
         let mut place = start.min(last) as f64;

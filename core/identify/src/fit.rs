@@ -2,25 +2,57 @@
 
 use crate::algebra::Factor;
 use crate::domain::{Domain, Side};
-use crate::residuals::{Data, NUISANCES, NormalEquations};
-use crate::shapes::{Sensitivity, Shape, Shapes};
+use crate::residuals::{Data, NUISANCES, Place};
+use crate::shapes::{STEPS as STEPS_OF_SLOPES, Sensitivity, Shape, Shapes};
 use capsule_core::EvaluateError;
 
 /// The most steps.
 const STEPS: usize = 12;
 /// The most shorter steps that are tried in place of one.
 const TRIALS: usize = 6;
-/// A step that is shorter than this share of the standard deviations ends the fit.
-const CLOSE: f64 = 0.01;
 
-/// How a fit gets derivatives of the outline.
+/// How well a place is to be found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Slopes {
-    /// Those of the interpolation: cheap, but they jump where a sample enters or leaves its nearest ones, so that steps
-    /// end a little beside the minimum.
-    Local,
-    /// Differences over a short way, which level that out.
-    Secant,
+pub(crate) enum Accuracy {
+    /// So that a fit can start there: without the model's error, and with derivatives of the interpolation. They are
+    /// cheap, but jump where a sample enters or leaves its nearest ones, so that steps end a little beside the minimum.
+    Start,
+    /// As well as can be, with differences over a short way, which level that out.
+    Full,
+}
+
+impl Accuracy {
+    /// A step that is shorter than this share of the standard deviations ends the fit.
+    fn close(self) -> f64 {
+        match self {
+            Self::Start => 0.3,
+            Self::Full => 0.01,
+        }
+    }
+}
+
+/// Where a fit starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start<'s> {
+    pub(crate) side: Side,
+    pub(crate) theta: [f64; 2],
+    pub(crate) nuisances: [f64; NUISANCES],
+    /// Derivatives from an earlier fit.
+    pub(crate) slopes: Option<&'s Slopes>,
+}
+
+/// Derivatives of the outline, and where they were computed.
+#[derive(Clone, Debug)]
+pub(crate) struct Slopes {
+    theta: [f64; 2],
+    pub(crate) sensitivity: Sensitivity,
+}
+
+impl Slopes {
+    /// Whether a place is half as near as the differences reach.
+    fn serve(&self, theta: [f64; 2]) -> bool {
+        (0..2).all(|d| (theta[d] - self.theta[d]).abs() <= 0.5 * STEPS_OF_SLOPES[d])
+    }
 }
 
 /// Where a fit has ended.
@@ -41,12 +73,24 @@ pub(crate) struct Fit {
     pub(crate) scale: f64,
     pub(crate) reduced: Reduced,
     pub(crate) shape: Shape,
-    pub(crate) sensitivity: Sensitivity,
+    pub(crate) slopes: Slopes,
     /// The normal matrix of the nuisance parameters, and what the priors are of its diagonal.
     pub(crate) nuisance_matrix: [[f64; NUISANCES]; NUISANCES],
     pub(crate) priors: [f64; NUISANCES],
     /// By how much the sum would fall if the fit could leave the domain, at whose edge it is; else about 0.
     pub(crate) fall_outside: f64,
+}
+
+impl Fit {
+    /// To go on from here with other data.
+    pub(crate) fn start(&self) -> Start<'_> {
+        Start {
+            side: self.side,
+            theta: self.theta,
+            nuisances: self.nuisances,
+            slopes: Some(&self.slopes),
+        }
+    }
 }
 
 /// The normal equations of [ln Ca, a/l] alone, the nuisance parameters eliminated (Schur complement).
@@ -60,32 +104,29 @@ pub(crate) struct Reduced {
 }
 
 impl Reduced {
-    pub(crate) fn new(normal: &NormalEquations) -> Option<Self> {
-        let matrix: [[f64; NUISANCES]; NUISANCES] =
-            core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
-        let factor = Factor::new(&matrix)?;
-        let column = |d: usize| -> [f64; NUISANCES] { core::array::from_fn(|i| -normal.matrix[2 + i][d]) };
-        let mut right = [0.0; NUISANCES];
-        right
-            .iter_mut()
-            .zip(&normal.gradient[2..])
-            .for_each(|(right, g)| *right = -g);
-        let nuisance_steps = [right, column(0), column(1)].map(|right| factor.solve(&right));
-        let along = |d: usize, step: &[f64; NUISANCES]| -> f64 {
-            (0..NUISANCES).map(|i| normal.matrix[2 + i][d] * step[i]).sum()
+    /// Also gives the normal matrix of the nuisance parameters.
+    fn new(
+        data: &Data<'_>,
+        shape: &Shape,
+        sensitivity: &Sensitivity,
+        nuisances: &[f64; NUISANCES],
+    ) -> Option<(Self, [[f64; NUISANCES]; NUISANCES])> {
+        let columns = |residual: f64, place: Place| {
+            let [ca, confinement] = match place {
+                Place::Along { place, normal } => sensitivity.outward(place, normal),
+                Place::Scalar(scalar) => sensitivity.scalars[scalar],
+            };
+            [residual, -ca, -confinement]
         };
-        let matrix = [0, 1].map(|d| [0, 1].map(|e| normal.matrix[d][e] + along(d, &nuisance_steps[1 + e])));
-        Some(Self {
-            matrix,
-            gradient: [0, 1].map(|d| normal.gradient[d] + along(d, &nuisance_steps[0])),
-            sum: normal.sum
-                + normal.gradient[2..]
-                    .iter()
-                    .zip(&nuisance_steps[0])
-                    .map(|(g, step)| g * step)
-                    .sum::<f64>(),
-            nuisance_steps,
-        })
+        let eliminated = data.products(shape, nuisances, columns).eliminate()?;
+        let [[sum, ..], by_ca, by_confinement] = eliminated.leading;
+        let reduced = Self {
+            matrix: [by_ca, by_confinement].map(|[_, ca, confinement]| [ca, confinement]),
+            gradient: [by_ca[0], by_confinement[0]],
+            nuisance_steps: eliminated.solved.map(|solved| solved.map(|x| -x)),
+            sum,
+        };
+        Some((reduced, eliminated.nuisances))
     }
 
     /// The nuisance parameters after a step of Ca and a/l.
@@ -158,19 +199,20 @@ impl Fitter<'_, '_, '_> {
         shape: &Shape,
         nuisances: &[f64; NUISANCES],
     ) -> Option<(f64, [f64; NUISANCES])> {
-        let reduced = Reduced::new(&data.normal(shape, None, nuisances))?;
-        Some((reduced.sum, reduced.displaced(nuisances, [0.0; 2])))
+        let eliminated = data.products(shape, nuisances, |residual, _| [residual]).eliminate()?;
+        let ([[sum]], [steps]) = (eliminated.leading, eliminated.solved);
+        Some((sum, core::array::from_fn(|i| nuisances[i] - steps[i])))
     }
 
     /// Derivatives at a place; differences stay in the domain.
     pub(crate) fn sensitivity(
         &mut self,
-        slopes: Slopes,
+        accuracy: Accuracy,
         side: Side,
         theta: [f64; 2],
         shape: &Shape,
     ) -> Result<Sensitivity, EvaluateError> {
-        if slopes == Slopes::Local {
+        if accuracy == Accuracy::Start {
             return self.shapes.derivatives(shape, theta);
         }
         let domain = self.domain;
@@ -226,50 +268,53 @@ impl Fitter<'_, '_, '_> {
     pub(crate) fn fit(
         &mut self,
         data: &Data<'_>,
-        side: Side,
-        start: [f64; 2],
-        slopes: Slopes,
-        nuisances: [f64; NUISANCES],
+        start: Start<'_>,
+        accuracy: Accuracy,
     ) -> Result<Option<Fit>, EvaluateError> {
-        let mut theta = self.domain.clamp(side, start, start);
-        let mut nuisances = nuisances;
+        let side = start.side;
+        let mut theta = self.domain.clamp(side, start.theta, start.theta);
+        let mut nuisances = start.nuisances;
         let mut shape = self.shapes.at(theta)?;
         let data = &Data {
             bound: shape.bound,
+            modes: if accuracy == Accuracy::Start { 0 } else { data.modes },
             ..*data
         };
+        let mut slopes = start.slopes.cloned();
+        let mut sum = data.sum(&shape, &nuisances);
         let mut damping = 1e-4;
         for step in 0..STEPS {
-            let sensitivity = self.sensitivity(slopes, side, theta, &shape)?;
-            let normal = data.normal(&shape, Some(&sensitivity), &nuisances);
-            let Some(reduced) = Reduced::new(&normal) else {
+            let slopes = match &slopes {
+                Some(known) if known.serve(theta) => known,
+                _ => slopes.insert(Slopes {
+                    theta,
+                    sensitivity: self.sensitivity(accuracy, side, theta, &shape)?,
+                }),
+            };
+            let Some((reduced, nuisance_matrix)) = Reduced::new(data, &shape, &slopes.sensitivity, &nuisances) else {
                 return Ok(None);
             };
-            // The nuisance parameters are profiled here, so that sums are comparable.
             let mut next = None;
             for _ in 0..TRIALS {
                 let to = self.step(&reduced, side, theta, damping);
                 let way = [to[0] - theta[0], to[1] - theta[1]];
-                if reduced.length(way) < CLOSE || step + 1 == STEPS {
+                if reduced.length(way) < accuracy.close() || step + 1 == STEPS {
                     break;
                 }
                 let there = self.shapes.at(to)?;
-                let profiled = reduced.displaced(&nuisances, way);
-                if let Some((sum, profiled)) = Self::profiled(data, &there, &profiled)
-                    && sum < reduced.sum
-                {
-                    next = Some((to, there, profiled));
-                    damping = (damping * 0.2).max(1e-6);
+                let displaced = reduced.displaced(&nuisances, way);
+                let less = data.sum(&there, &displaced);
+                if less < sum {
+                    next = Some((to, there, displaced));
+                    (sum, damping) = (less, (damping * 0.2).max(1e-6));
                     break;
                 }
                 damping = (damping * 10.0).max(1e-2);
             }
             match next {
-                Some((to, there, profiled)) => (theta, shape, nuisances) = (to, there, profiled),
+                Some(next) => (theta, shape, nuisances) = next,
                 None => {
                     let deviation = |i: usize| data.deviation(i);
-                    let nuisance_matrix =
-                        core::array::from_fn(|i| core::array::from_fn(|j| normal.matrix[2 + i][2 + j]));
                     let freedom = Factor::new(&nuisance_matrix).map_or(0.0, |factor| factor.log_determinant());
                     return Ok(Some(Fit {
                         side,
@@ -286,7 +331,7 @@ impl Fitter<'_, '_, '_> {
                         fall_outside: reduced.fall_outside(),
                         reduced,
                         shape,
-                        sensitivity,
+                        slopes: slopes.clone(),
                     }));
                 }
             }

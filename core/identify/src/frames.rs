@@ -3,7 +3,7 @@
 use crate::algebra::Factor;
 use crate::curve::{Curve, dot};
 use crate::domain::Side;
-use crate::fit::{Fitter, Slopes};
+use crate::fit::{Accuracy, Fitter};
 use crate::grid::{FEATURES, Grid, distance, of_curve};
 use crate::measurement::{Contour, MAX_FRAMES, Measurement, Sequence};
 use crate::noise::{BINS, LEAST_NOISE, bin};
@@ -183,9 +183,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         for (j, frame) in frames.iter().enumerate().take(self.count()) {
             let shape = self.shape(theta, frame.t)?;
             let data = self.data(j, frame, shape.bound);
-            data.jacobian_rows(&shape, &frame.nuisances, |weight, residual, _, _| {
-                sum += weight * residual * residual;
-            });
+            sum += data.sum(&shape, &frame.nuisances);
         }
         Ok(sum)
     }
@@ -194,7 +192,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
     fn linear(&mut self, j: usize, frame: &Frame) -> Result<Option<Linear>, EvaluateError> {
         let theta = self.theta;
         let shape = self.shape(theta, frame.t)?;
-        let sensitivity = self.fitter.sensitivity(Slopes::Secant, self.side, theta, &shape)?;
+        let sensitivity = self.fitter.sensitivity(Accuracy::Full, self.side, theta, &shape)?;
         let in_time = if self.sequence.steady {
             Curve::EMPTY
         } else {
@@ -206,23 +204,16 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         let mut own_gradient = [0.0; OWN];
         let mut own_matrix = [[0.0; OWN]; OWN];
         let mut mixed = [[0.0; OWN]; COMMON];
-        data.jacobian_rows(&shape, &frame.nuisances, |weight, residual, by_nuisances, place| {
+        data.rows(&shape, &frame.nuisances, |weight, residual, row, place| {
+            let by_nuisances = &row.all();
             let mut common = [0.0, 0.0, by_nuisances[EDGE], by_nuisances[SCALE]];
             let mut own = [0.0; OWN];
             own[1..].copy_from_slice(by_nuisances);
             (own[1 + EDGE], own[1 + SCALE]) = (0.0, 0.0);
-            match place {
-                Place::Along { place, normal } => {
-                    let [ca, confinement] = sensitivity.outward(place, normal);
-                    (common[0], common[1]) = (-ca, -confinement);
-                    own[0] = -dot(in_time.at_place(place), normal);
-                }
-                Place::Prior(i) if i != EDGE && i != SCALE => {
-                    own_gradient[1 + i] += weight * residual;
-                    own_matrix[1 + i][1 + i] += weight;
-                    return;
-                }
-                _ => {}
+            if let Place::Along { place, normal } = place {
+                let [ca, confinement] = sensitivity.outward(place, normal);
+                (common[0], common[1]) = (-ca, -confinement);
+                own[0] = -dot(in_time.at_place(place), normal);
             }
             for (i, a) in common.iter().enumerate() {
                 gradient[i] += weight * a * residual;
@@ -243,6 +234,15 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
                     .for_each(|(entry, b)| *entry += weight * a * b);
             }
         });
+        for (nuisance, weight, value) in data.priors(&frame.nuisances) {
+            let (gradient, entry) = match nuisance {
+                EDGE => (&mut gradient[2], &mut matrix[2][2]),
+                SCALE => (&mut gradient[3], &mut matrix[3][3]),
+                i => (&mut own_gradient[1 + i], &mut own_matrix[1 + i][1 + i]),
+            };
+            *gradient += weight * value;
+            *entry += weight;
+        }
         // An unknown that is held has an empty row: with a 1 on its diagonal the factor exists.
         for i in [0, 1 + EDGE, 1 + SCALE] {
             if own_matrix[i][i] == 0.0 {

@@ -1,11 +1,10 @@
 //! The model beside a fit as a polynomial of second degree in [ln Ca, a/l]: then the least sum of squares for given
 //! parameters is a polynomial too, and an interval costs next to nothing.
 
-use crate::algebra::Factor;
 use crate::curve::MAX_HALF;
 use crate::domain::Side;
 use crate::fit::{Fit, Fitter};
-use crate::residuals::{Data, NUISANCES};
+use crate::residuals::{Data, Place};
 use crate::shapes::{SCALARS, Shape};
 use capsule_core::EvaluateError;
 
@@ -79,45 +78,17 @@ impl Fitter<'_, '_, '_> {
                 add(sums, at, there - here);
             }
         }
-        let mut products = [[0.0; TERMS]; TERMS];
-        let mut mixed = [[0.0; NUISANCES]; TERMS];
-        let mut matrix = [[0.0; NUISANCES]; NUISANCES];
-        data.jacobian_rows(&fit.shape, &fit.nuisances, |weight, residual, by_nuisances, place| {
+        let columns = |residual: f64, place: Place| {
             let own = place.value(&fit.shape.curve, &outward, &scalars);
             let mut terms = [residual; TERMS];
             terms.iter_mut().skip(1).zip(own).for_each(|(term, own)| *term = -own);
-            for (i, term) in terms.iter().enumerate() {
-                let term = weight * term;
-                products[i]
-                    .iter_mut()
-                    .zip(terms)
-                    .for_each(|(product, other)| *product += term * other);
-                mixed[i]
-                    .iter_mut()
-                    .zip(by_nuisances)
-                    .for_each(|(product, other)| *product += term * other);
-            }
-            for (i, a) in by_nuisances.iter().enumerate() {
-                let a = weight * a;
-                matrix[i]
-                    .iter_mut()
-                    .zip(by_nuisances)
-                    .for_each(|(entry, b)| *entry += a * b);
-            }
-        });
-        let Some(factor) = Factor::new(&matrix) else {
-            return Ok(None);
+            terms
         };
-        for i in 0..TERMS {
-            let solved = factor.solve(&mixed[i]);
-            for j in 0..TERMS {
-                products[j][i] -= mixed[j].iter().zip(solved).map(|(a, b)| a * b).sum::<f64>();
-            }
-        }
-        Ok(Some(Local {
+        let eliminated = data.products(&fit.shape, &fit.nuisances, columns).eliminate();
+        Ok(eliminated.map(|eliminated| Local {
             theta: fit.theta,
             steps,
-            products,
+            products: eliminated.leading,
         }))
     }
 

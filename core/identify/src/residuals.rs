@@ -5,16 +5,15 @@
 //! that are nuisance parameters like the rest: so errors of the model widen the intervals as much as they can move the
 //! answer, and are not averaged away as if they were noise.
 
+use crate::algebra::Factor;
 use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};
-use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, Sensitivity, Shape};
+use crate::shapes::{HALF_WIDTH, LENGTH, RADIUS, REAR_DEPTH, SCALARS, Shape};
 
 /// Cosines of the model's error.
 pub(crate) const MODES: usize = 24;
 /// Unknowns beside the capsule's two.
 pub(crate) const NUISANCES: usize = MODE + MODES;
-/// All unknowns: ln Ca, a/l, then the nuisance parameters.
-pub(crate) const UNKNOWNS: usize = 2 + NUISANCES;
 
 /// Place of the shift along the flow among the nuisance parameters.
 pub(crate) const SHIFT: usize = 0;
@@ -59,40 +58,178 @@ pub(crate) struct Data<'p> {
     pub(crate) bound: f64,
     /// The scale of the model's error: see `model_error`.
     pub(crate) scale: f64,
+    /// How many of its cosines are fitted.
+    pub(crate) modes: usize,
 }
 
-/// The normal equations of a least-squares problem.
+/// Cosines of a place that products of the model's error's need: cos(0) to cos(2 (MODES - 1)).
+const COSINES: usize = 2 * MODES - 1;
+
+/// The derivatives of a residual by the nuisance parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct NormalEquations {
-    pub(crate) sum: f64,
-    pub(crate) gradient: [f64; UNKNOWNS],
-    pub(crate) matrix: [[f64; UNKNOWNS]; UNKNOWNS],
+pub(crate) struct Row {
+    head: [f64; MODE],
+    /// Those of the model's error are the first [`MODES`] of these, with the other sign.
+    cosines: [f64; COSINES],
 }
 
-impl NormalEquations {
-    const ZERO: Self = Self {
-        sum: 0.0,
-        gradient: [0.0; UNKNOWNS],
-        matrix: [[0.0; UNKNOWNS]; UNKNOWNS],
-    };
+impl Row {
+    /// All derivatives, one after the other.
+    pub(crate) fn all(&self) -> [f64; NUISANCES] {
+        let mut all = [0.0; NUISANCES];
+        let (head, modes) = all.split_at_mut(MODE);
+        head.copy_from_slice(&self.head);
+        modes
+            .iter_mut()
+            .zip(self.cosines)
+            .for_each(|(entry, cosine)| *entry = -cosine);
+        all
+    }
+}
 
-    /// Adds weight * (residual + step_i)^2.
-    fn add_prior(&mut self, i: usize, weight: f64, residual: f64) {
-        self.sum += weight * residual * residual;
-        self.gradient[i] += weight * residual;
-        self.matrix[i][i] += weight;
+/// Weighted products of the columns of a least-squares problem: some leading columns, the first of which are the
+/// residuals, and the nuisance parameters'.
+#[derive(Clone, Debug)]
+pub(crate) struct Products<const L: usize> {
+    leading: [[f64; L]; L],
+    mixed: [[f64; NUISANCES]; L],
+    nuisances: [[f64; NUISANCES]; NUISANCES],
+    /// Sums of the cosines. Products of two of them are half the sums of two others, so these make the products.
+    cosines: [f64; COSINES],
+    /// How many of the model's error's cosines take part.
+    modes: usize,
+}
+
+/// The leading columns without what the nuisance parameters can make of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Eliminated<const L: usize> {
+    /// Their products.
+    pub(crate) leading: [[f64; L]; L],
+    /// By how much of each nuisance parameter a unit of each column is made up for.
+    pub(crate) solved: [[f64; NUISANCES]; L],
+    /// The products of the nuisance parameters' columns.
+    pub(crate) nuisances: [[f64; NUISANCES]; NUISANCES],
+}
+
+impl<const L: usize> Products<L> {
+    fn new(modes: usize) -> Self {
+        Self {
+            leading: [[0.0; L]; L],
+            mixed: [[0.0; NUISANCES]; L],
+            nuisances: [[0.0; NUISANCES]; NUISANCES],
+            cosines: [0.0; COSINES],
+            modes,
+        }
     }
 
-    /// Adds weight * (residual + row . step)^2; the matrix below its diagonal only.
-    fn add(&mut self, weight: f64, residual: f64, row: &[f64; UNKNOWNS]) {
-        self.sum += weight * residual * residual;
-        for (i, a) in row.iter().enumerate() {
+    fn add_prior(&mut self, nuisance: usize, weight: f64, value: f64) {
+        self.leading[0][0] += weight * value * value;
+        self.mixed[0][nuisance] += weight * value;
+        self.nuisances[nuisance][nuisance] += weight;
+    }
+
+    fn add(&mut self, weight: f64, leading: &[f64; L], row: &Row) {
+        let modes = self.modes;
+        for (i, a) in leading.iter().enumerate() {
             let a = weight * a;
-            self.gradient[i] += a * residual;
-            for (entry, b) in self.matrix[i].iter_mut().zip(row).take(i + 1) {
-                *entry += a * b;
+            add(&mut self.leading[i], a, leading);
+            let (head, mixed) = self.mixed[i].split_at_mut(MODE);
+            add(head, a, &row.head);
+            add(&mut mixed[..modes], -a, &row.cosines);
+        }
+        for (i, a) in row.head.iter().enumerate() {
+            let a = weight * a;
+            let (head, mixed) = self.nuisances[i].split_at_mut(MODE);
+            add(head, a, &row.head);
+            add(&mut mixed[..modes], -a, &row.cosines);
+        }
+        let count = (2 * modes).min(COSINES);
+        add(&mut self.cosines[..count], weight, &row.cosines);
+    }
+
+    /// Eliminates the nuisance parameters (Schur complement); none if they are not determined.
+    pub(crate) fn eliminate(mut self) -> Option<Eliminated<L>> {
+        for k in 0..self.modes {
+            for i in 0..MODE {
+                self.nuisances[MODE + k][i] = self.nuisances[i][MODE + k];
+            }
+            // cos(k x) cos(m x) = (cos((k + m) x) + cos((k - m) x)) / 2
+            for m in 0..self.modes {
+                self.nuisances[MODE + k][MODE + m] += 0.5 * (self.cosines[k + m] + self.cosines[k.abs_diff(m)]);
             }
         }
+        let factor = Factor::leading(&self.nuisances, MODE + self.modes)?;
+        let solved = self.mixed.map(|mixed| factor.solve(&mixed));
+        let mut leading = self.leading;
+        for (row, mixed) in leading.iter_mut().zip(&self.mixed) {
+            for (entry, solved) in row.iter_mut().zip(&solved) {
+                *entry -= mixed.iter().zip(solved).map(|(a, b)| a * b).sum::<f64>();
+            }
+        }
+        Some(Eliminated {
+            leading,
+            solved,
+            nuisances: self.nuisances,
+        })
+    }
+}
+
+/// Adds a multiple of some numbers to others.
+fn add(sums: &mut [f64], factor: f64, numbers: &[f64]) {
+    sums.iter_mut()
+        .zip(numbers)
+        .for_each(|(sum, number)| *sum += factor * number);
+}
+
+/// Where nuisance parameters place the contour's points.
+#[derive(Clone, Copy)]
+struct Placement {
+    cos: f64,
+    sin: f64,
+    grown: f64,
+    shift: [f64; 2],
+    edge: f64,
+}
+
+impl Placement {
+    fn new(nuisances: &[f64; NUISANCES]) -> Self {
+        Self {
+            cos: libm::cos(nuisances[TILT]),
+            sin: libm::sin(nuisances[TILT]),
+            grown: 1.0 + nuisances[SCALE],
+            shift: [nuisances[SHIFT], nuisances[SHIFT + 1]],
+            edge: nuisances[EDGE],
+        }
+    }
+
+    fn turned(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.cos * x + self.sin * y, self.cos * y - self.sin * x]
+    }
+
+    fn placed(&self, point: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.turned(point);
+        [self.grown * x - self.shift[0], self.grown * y - self.shift[1]]
+    }
+
+    /// Residual of a point without the model's error.
+    fn residual(&self, curve: &Curve, point: [f64; 2]) -> Residual {
+        let [x, y] = self.placed(point);
+        let side = if y < 0.0 { -1.0 } else { 1.0 };
+        let foot = curve.nearest([x, side * y]);
+        Residual {
+            along: foot.place,
+            normal: foot.normal,
+            side,
+            value: foot.distance - self.edge,
+        }
+    }
+
+    /// Its derivatives by shift, tilt, edge and scale.
+    fn head(&self, residual: &Residual, point: [f64; 2]) -> [f64; MODE] {
+        let [x, y] = self.turned(point);
+        let normal = residual.placed_normal();
+        let by_tilt = [self.grown * y, -self.grown * x];
+        [-normal[0], -normal[1], dot(normal, by_tilt), -1.0, dot(normal, [x, y])]
     }
 }
 
@@ -119,6 +256,7 @@ impl<'p> Data<'p> {
             noise,
             bound: 0.0,
             scale: 1.0,
+            modes: MODES,
         }
     }
 
@@ -130,45 +268,6 @@ impl<'p> Data<'p> {
         }
     }
 
-    /// A point as the nuisances place it, and its derivatives by tilt and scale.
-    fn displaced(&self, [x, y]: [f64; 2], nuisances: &[f64; NUISANCES]) -> [[f64; 2]; 3] {
-        let (cos, sin, grown) = (
-            libm::cos(nuisances[TILT]),
-            libm::sin(nuisances[TILT]),
-            1.0 + nuisances[SCALE],
-        );
-        let turned = [cos * x + sin * y, cos * y - sin * x];
-        [
-            [
-                grown * turned[0] - nuisances[SHIFT],
-                grown * turned[1] - nuisances[SHIFT + 1],
-            ],
-            [grown * turned[1], -grown * turned[0]],
-            turned,
-        ]
-    }
-
-    /// Residual of a point without the model's error, its place along the curve, and its row but for the capsule's
-    /// part.
-    fn residual(&self, curve: &Curve, place: [f64; 2], nuisances: &[f64; NUISANCES]) -> Residual {
-        let [place, by_tilt, by_scale] = self.displaced(place, nuisances);
-        let side = if place[1] < 0.0 { -1.0 } else { 1.0 };
-        let foot = curve.nearest([place[0], side * place[1]]);
-        let normal = [foot.normal[0], side * foot.normal[1]];
-        Residual {
-            along: foot.place,
-            normal: foot.normal,
-            value: foot.distance - nuisances[EDGE],
-            row: [
-                -normal[0],
-                -normal[1],
-                dot(normal, by_tilt),
-                -1.0,
-                dot(normal, by_scale),
-            ],
-        }
-    }
-
     /// The residual of a place, in l, less the model's error; its place along the curve, and whether it lies below.
     pub(crate) fn point_residual(
         &self,
@@ -176,46 +275,31 @@ impl<'p> Data<'p> {
         place: [f64; 2],
         nuisances: &[f64; NUISANCES],
     ) -> (f64, f64, bool) {
-        let residual = self.residual(curve, place, nuisances);
-        let modes = cosines(curve, residual.along);
-        let error: f64 = modes.iter().zip(&nuisances[MODE..]).map(|(mode, c)| mode * c).sum();
-        let [[_, y], ..] = self.displaced(place, nuisances);
-        (residual.value - error, residual.along, y < 0.0)
+        let residual = Placement::new(nuisances).residual(curve, place);
+        let error = self.model_error(curve, residual.along, nuisances);
+        (residual.value - error, residual.along, residual.side < 0.0)
     }
 
     /// The outward normal at a place of the contour, in its frame.
     pub(crate) fn normal_at(&self, curve: &Curve, place: [f64; 2], nuisances: &[f64; NUISANCES]) -> [f64; 2] {
-        let [x, y] = self
-            .residual(curve, place, nuisances)
-            .row
-            .first_chunk::<2>()
-            .map_or([0.0; 2], |n| n.map(|x| -x));
-        let (cos, sin) = (libm::cos(nuisances[TILT]), libm::sin(nuisances[TILT]));
+        let placement = Placement::new(nuisances);
+        let [x, y] = placement.residual(curve, place).placed_normal();
+        let Placement { cos, sin, .. } = placement;
         [cos * x - sin * y, cos * y + sin * x]
     }
 
-    /// Each residual at a place, with its weight, its derivatives by the nuisances beside the two, and where its
-    /// derivatives by the two are to be looked up.
-    pub(crate) fn jacobian_rows(
-        &self,
-        shape: &Shape,
-        nuisances: &[f64; NUISANCES],
-        mut each: impl FnMut(f64, f64, &[f64; NUISANCES], Place),
-    ) {
-        let curve = &shape.curve;
-        let precision = 1.0 / (self.noise * self.noise);
-        for point in self.points {
-            let residual = self.residual(curve, point.place, nuisances);
-            let mut row = [0.0; NUISANCES];
-            row[..MODE].copy_from_slice(&residual.row);
-            let mut value = residual.value;
-            let modes = cosines(curve, residual.along);
-            for ((entry, mode), coefficient) in row[MODE..].iter_mut().zip(modes).zip(&nuisances[MODE..]) {
-                value -= mode * coefficient;
-                *entry = -mode;
-            }
-            each(precision * point.weight, value, &row, residual.place());
-        }
+    /// The model's error at a place along the curve.
+    fn model_error(&self, curve: &Curve, along: f64, nuisances: &[f64; NUISANCES]) -> f64 {
+        let cosines: [f64; MODES] = cosines(curve, along, self.modes);
+        cosines
+            .iter()
+            .zip(&nuisances[MODE..])
+            .map(|(cosine, c)| cosine * c)
+            .sum()
+    }
+
+    /// Each length's residual, with its weight and its derivatives by the nuisances.
+    fn lengths(&self, shape: &Shape, nuisances: &[f64; NUISANCES], mut each: impl FnMut(f64, f64, &Row, Place)) {
         for (s, measured) in self.scalars.iter().enumerate() {
             let Some(Measured { value, deviation }) = *measured else {
                 continue;
@@ -227,8 +311,11 @@ impl<'p> Data<'p> {
                 REAR_DEPTH => (0.0, value),
                 _ => (0.0, 0.0),
             };
-            let mut row = [0.0; NUISANCES];
-            (row[EDGE], row[SCALE]) = (-edge, scale);
+            let mut row = Row {
+                head: [0.0; MODE],
+                cosines: [0.0; COSINES],
+            };
+            (row.head[EDGE], row.head[SCALE]) = (-edge, scale);
             let residual = value + scale * nuisances[SCALE] - edge * nuisances[EDGE] - shape.scalars[s];
             // A length errs as the outline does; the radius is what is asked for.
             let own = if s == RADIUS {
@@ -243,45 +330,74 @@ impl<'p> Data<'p> {
                 Place::Scalar(s),
             );
         }
-        for (nuisance, value) in nuisances.iter().enumerate() {
-            let deviation = self.deviation(nuisance);
-            let mut row = [0.0; NUISANCES];
-            row[nuisance] = 1.0;
-            each(1.0 / (deviation * deviation), *value, &row, Place::Prior(nuisance));
-        }
     }
 
-    /// The normal equations at a place; without the capsule's part if there is no sensitivity.
-    pub(crate) fn normal(
+    /// Each residual of points and lengths, with its weight, its derivatives by the nuisances, and where its
+    /// derivatives by the two are to be looked up.
+    pub(crate) fn rows(
         &self,
         shape: &Shape,
-        sensitivity: Option<&Sensitivity>,
         nuisances: &[f64; NUISANCES],
-    ) -> NormalEquations {
-        let mut normal = NormalEquations::ZERO;
-        self.jacobian_rows(shape, nuisances, |weight, residual, by_nuisances, place| {
-            if let Place::Prior(nuisance) = place {
-                normal.add_prior(2 + nuisance, weight, residual);
-                return;
-            }
-            let mut row = [0.0; UNKNOWNS];
-            if let Some(sensitivity) = sensitivity {
-                let own = match place {
-                    Place::Along { place, normal } => sensitivity.outward(place, normal),
-                    Place::Scalar(scalar) => sensitivity.scalars[scalar],
-                    Place::Prior(_) => [0.0; 2],
-                };
-                row[..2].copy_from_slice(&own.map(|derivative| -derivative));
-            }
-            row[2..].copy_from_slice(by_nuisances);
-            normal.add(weight, residual, &row);
-        });
-        for i in 0..UNKNOWNS {
-            for j in 0..i {
-                normal.matrix[j][i] = normal.matrix[i][j];
-            }
+        mut each: impl FnMut(f64, f64, &Row, Place),
+    ) {
+        let curve = &shape.curve;
+        let placement = Placement::new(nuisances);
+        let precision = 1.0 / (self.noise * self.noise);
+        for point in self.points {
+            let residual = placement.residual(curve, point.place);
+            let row = Row {
+                head: placement.head(&residual, point.place),
+                cosines: cosines(curve, residual.along, (2 * self.modes).min(COSINES)),
+            };
+            let modes = row.cosines.iter().zip(&nuisances[MODE..]).take(self.modes);
+            let error: f64 = modes.map(|(cosine, c)| cosine * c).sum();
+            each(precision * point.weight, residual.value - error, &row, residual.place());
         }
-        normal
+        self.lengths(shape, nuisances, each);
+    }
+
+    /// The priors of the nuisance parameters: number, weight, value.
+    pub(crate) fn priors(&self, nuisances: &[f64; NUISANCES]) -> impl Iterator<Item = (usize, f64, f64)> {
+        nuisances.iter().enumerate().map(|(i, value)| {
+            let deviation = self.deviation(i);
+            (i, 1.0 / (deviation * deviation), *value)
+        })
+    }
+
+    /// The sum of squares.
+    pub(crate) fn sum(&self, shape: &Shape, nuisances: &[f64; NUISANCES]) -> f64 {
+        let curve = &shape.curve;
+        let placement = Placement::new(nuisances);
+        let square = |point: &Point| {
+            let residual = placement.residual(curve, point.place);
+            let value = residual.value - self.model_error(curve, residual.along, nuisances);
+            point.weight * value * value
+        };
+        let mut sum = self.points.iter().map(square).sum::<f64>() / (self.noise * self.noise);
+        self.lengths(shape, nuisances, |weight, residual, _, _| {
+            sum += weight * residual * residual
+        });
+        sum + self
+            .priors(nuisances)
+            .map(|(_, weight, value)| weight * value * value)
+            .sum::<f64>()
+    }
+
+    /// Products of the columns at a place: leading ones are the residual's and those that are given for each row.
+    pub(crate) fn products<const L: usize>(
+        &self,
+        shape: &Shape,
+        nuisances: &[f64; NUISANCES],
+        leading: impl Fn(f64, Place) -> [f64; L],
+    ) -> Products<L> {
+        let mut products = Products::new(self.modes);
+        self.rows(shape, nuisances, |weight, residual, row, place| {
+            products.add(weight, &leading(residual, place), row);
+        });
+        for (nuisance, weight, value) in self.priors(nuisances) {
+            products.add_prior(nuisance, weight, value);
+        }
+        products
     }
 }
 
@@ -292,8 +408,6 @@ pub(crate) enum Place {
     Along { place: f64, normal: [f64; 2] },
     /// Those of a scalar.
     Scalar(usize),
-    /// It has none: the prior of a nuisance parameter, by number.
-    Prior(usize),
 }
 
 impl Place {
@@ -306,7 +420,6 @@ impl Place {
         match self {
             Self::Along { place, .. } => curve.value(outward, place),
             Self::Scalar(scalar) => scalars[scalar],
-            Self::Prior(_) => [0.0; W],
         }
     }
 }
@@ -315,8 +428,9 @@ struct Residual {
     along: f64,
     /// The curve's outward normal there, on the side y >= 0.
     normal: [f64; 2],
+    /// 1 on that side, -1 below.
+    side: f64,
     value: f64,
-    row: [f64; MODE],
 }
 
 impl Residual {
@@ -326,16 +440,23 @@ impl Residual {
             normal: self.normal,
         }
     }
+
+    /// The outward normal on the point's own side.
+    fn placed_normal(&self) -> [f64; 2] {
+        [self.normal[0], self.side * self.normal[1]]
+    }
 }
 
-/// cos(k pi s) at a share s of the way along the curve.
-fn cosines(curve: &Curve, place: f64) -> [f64; MODES] {
-    let share = place / curve.count().saturating_sub(1).max(1) as f64;
-    let first = libm::cos(core::f64::consts::PI * share);
-    let mut cosines = [1.0; MODES];
-    cosines[1] = first;
-    for k in 2..MODES {
-        cosines[k] = 2.0 * first * cosines[k - 1] - cosines[k - 2];
+/// cos(k pi s) at a share s of the way along the curve, for k below a count; 0 beyond.
+fn cosines<const N: usize>(curve: &Curve, place: f64, count: usize) -> [f64; N] {
+    let mut cosines = [0.0; N];
+    if count > 0 {
+        let share = place / curve.count().saturating_sub(1).max(1) as f64;
+        let first = libm::cos(core::f64::consts::PI * share);
+        (cosines[0], cosines[1]) = (1.0, first);
+        for k in 2..count {
+            cosines[k] = 2.0 * first * cosines[k - 1] - cosines[k - 2];
+        }
     }
     cosines
 }

@@ -9,7 +9,7 @@
 use crate::algebra::Factor;
 use crate::domain::{Domain, Side};
 use crate::error::IdentifyError;
-use crate::fit::{Fitter, Slopes};
+use crate::fit::{Accuracy, Fitter};
 use crate::frames::{COMMON, Fit, Frame, fall, summed};
 use crate::grid::Grid;
 use crate::identification::Estimate;
@@ -154,7 +154,7 @@ impl Fit<'_, '_, '_, '_> {
         // The model's own parameters, from the last frame.
         let last = self.frames[self.count() - 1];
         let shape = self.shape(self.theta, last.t)?;
-        let sensitivity = self.fitter.sensitivity(Slopes::Secant, self.side, self.theta, &shape)?;
+        let sensitivity = self.fitter.sensitivity(Accuracy::Full, self.side, self.theta, &shape)?;
         let own = model_error::of_parameters(&shape, &sensitivity).map(|own| self.sequence.priors.model * own);
         let deviations = [0, 1].map(|d| libm::hypot(libm::sqrt(covariance[d][d]), own[d]));
         let mut instants = [[0.0; 2]; MAX_FRAMES];

@@ -31,7 +31,7 @@ pub struct Memory<'w> {
 
 /// Steps of the differences that give derivatives, in ln Ca and a/l. The outline of the shipped model comes with a
 /// rounding of 1e-5 l and changes by 0.05 to 0.3 l per unit of ln Ca, by 0.5 to 2 l per unit of a/l.
-const STEPS: [f64; 2] = [0.02, 0.004];
+pub(crate) const STEPS: [f64; 2] = [0.02, 0.004];
 
 /// How many vectors each node needs for a silhouette: its position, and the derivatives by both parameters.
 pub const NODES_ROOM: usize = 3;

@@ -2,7 +2,7 @@
 
 use crate::domain::Domain;
 use crate::error::IdentifyError;
-use crate::fit::{Fit, Fitter, Slopes};
+use crate::fit::{Accuracy, Fit, Fitter, Start};
 use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
 use crate::measurement::{Direction, Flow, Measurement};
@@ -173,9 +173,8 @@ impl Solver<'_, '_, '_, '_> {
             if let Some(fit) = best.filter(|_| !points.is_empty() && self.measurement.priors.model > 0.0) {
                 scale = model_error::scale(fit, scale);
             }
-            let from = best.map(|fit| (fit.theta, fit.nuisances));
             let started = candidates.iter().flatten().min_by(|a, b| a.sum.total_cmp(&b.sum));
-            let Some((theta, nuisances)) = from.or(started.map(|c| (c.theta, c.nuisances))) else {
+            let Some(Start { theta, nuisances, .. }) = best.map(Fit::start).or(started.map(|c| c.start)) else {
                 return Err(IdentifyError::NoFit);
             };
             let shape = self.fitter.shapes.at(theta)?;
@@ -195,12 +194,8 @@ impl Solver<'_, '_, '_, '_> {
             };
             for (fit, candidate) in fits.iter_mut().zip(&candidates) {
                 if let Some(candidate) = candidate {
-                    let (theta, nuisances) = fit
-                        .as_ref()
-                        .map_or((candidate.theta, candidate.nuisances), |fit| (fit.theta, fit.nuisances));
-                    *fit = self
-                        .fitter
-                        .fit(&data, candidate.side, theta, Slopes::Secant, nuisances)?;
+                    let start = fit.as_ref().map_or(candidate.start, Fit::start);
+                    *fit = self.fitter.fit(&data, start, Accuracy::Full)?;
                 }
             }
         }
@@ -275,7 +270,7 @@ impl Solver<'_, '_, '_, '_> {
         let model_parameters = if points.is_empty() {
             [0.0; 2]
         } else {
-            model_error::of_parameters(&fit.shape, &fit.sensitivity)
+            model_error::of_parameters(&fit.shape, &fit.slopes.sensitivity)
                 .map(|deviation| self.measurement.priors.model * deviation)
         };
         let mut profile = Profile {
@@ -293,7 +288,7 @@ impl Solver<'_, '_, '_, '_> {
             profile.local = self.fitter.local(&data, &fit, steps)?;
         }
         keep(&profile, (!known).then_some(freedom));
-        let ratio = fit.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
+        let ratio = fit.slopes.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
         let gradients = [[1.0, 0.0], [0.0, 1.0], [1.0 + ratio[0], ratio[1]]];
         let of_capsule = matches!(setup.flow, Flow::CapsuleVelocity(_));
         let mut intervals = [None; 3];

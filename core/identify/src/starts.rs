@@ -2,7 +2,7 @@
 
 use crate::domain::Side;
 use crate::error::IdentifyError;
-use crate::fit::Slopes;
+use crate::fit::{Accuracy, Start};
 use crate::grid::{FEATURES, Grid};
 use crate::measurement::Direction;
 use crate::residuals::{NUISANCES, Point, SHIFT};
@@ -12,15 +12,13 @@ use crate::solver::Solver;
 pub(crate) const START_POINTS: usize = 48;
 /// Starts on each side of the border.
 const STARTS: usize = 3;
-/// A start whose features are farther from the measured ones than the nearest, by this, is not tried.
+/// A start whose features are farther from the measured ones than the nearest of all directions, by this, is not tried.
 const START_DISTANCE: f64 = 30.0;
 
-/// A start, improved with a few points.
+/// A start, improved with a few points, and its sum of squares.
 #[derive(Clone, Copy)]
 pub(crate) struct Candidate {
-    pub(crate) side: Side,
-    pub(crate) theta: [f64; 2],
-    pub(crate) nuisances: [f64; NUISANCES],
+    pub(crate) start: Start<'static>,
     pub(crate) sum: f64,
 }
 
@@ -32,9 +30,22 @@ impl Solver<'_, '_, '_, '_> {
             Some(Direction::Found) => Direction::ALL.map(Some),
             other => [other.or(Some(Direction::Right)), None, None, None],
         };
+        let directions = directions.map(|direction| {
+            direction.map(|direction| {
+                let features = self.features(direction);
+                let nearest = [Side::Smooth, Side::Dented].map(|side| grid.nearest::<1>(side, &features));
+                let distances = nearest.as_flattened().iter().flatten().map(|start| start.distance);
+                (direction, features, distances.fold(f64::INFINITY, f64::min))
+            })
+        });
+        let nearest = directions.iter().flatten().map(|(.., nearest)| *nearest);
+        let limit = nearest.fold(f64::INFINITY, f64::min) + START_DISTANCE;
         let mut best: Option<(f64, Direction, [Option<Candidate>; 2])> = None;
-        for direction in directions.into_iter().flatten() {
-            let found = self.candidates_along(grid, direction)?;
+        for (direction, features, nearest) in directions.into_iter().flatten() {
+            if nearest > limit {
+                continue;
+            }
+            let found = self.candidates_along(grid, direction, &features, limit)?;
             let least = found.iter().flatten().map(|c| c.sum).fold(f64::INFINITY, f64::min);
             if best.as_ref().is_none_or(|(sum, ..)| least < *sum) {
                 best = Some((least, direction, found));
@@ -44,14 +55,32 @@ impl Solver<'_, '_, '_, '_> {
         Ok((direction, candidates))
     }
 
-    fn candidates_along(&mut self, grid: &Grid, direction: Direction) -> Result<[Option<Candidate>; 2], IdentifyError> {
+    /// What is measured of the features if the flow has a direction.
+    fn features(&self, direction: Direction) -> [Option<f64>; FEATURES] {
+        let half_width = self.measurement.setup.half_width_um;
+        let contour = self.measurement.contour;
+        let mut features = contour.map_or([None; FEATURES], |contour| {
+            contour.framed(direction, half_width).features
+        });
+        for (feature, measured) in features.iter_mut().zip(&self.scalars) {
+            *feature = measured.map(|measured| measured.value).or(*feature);
+        }
+        features
+    }
+
+    /// The best start of either side, of those whose features are nearer to the measured ones than a limit.
+    fn candidates_along(
+        &mut self,
+        grid: &Grid,
+        direction: Direction,
+        features: &[Option<f64>; FEATURES],
+        limit: f64,
+    ) -> Result<[Option<Candidate>; 2], IdentifyError> {
         let half_width = self.measurement.setup.half_width_um;
         let mut few = [Point::default(); START_POINTS];
         let mut count = 0;
-        let mut features = [None; FEATURES];
         if let Some(contour) = &self.measurement.contour {
-            let framed = contour.framed(direction, half_width);
-            features = framed.features;
+            let middle = contour.framed(direction, half_width).middle;
             let all = contour.points_um.len();
             count = all.min(START_POINTS);
             for (i, point) in few.iter_mut().enumerate().take(count) {
@@ -59,31 +88,15 @@ impl Solver<'_, '_, '_, '_> {
                     points_um: contour.points_um.get(i * all / count..).unwrap_or_default(),
                     ..*contour
                 };
-                one.fill(direction, half_width, framed.middle, core::slice::from_mut(point));
+                one.fill(direction, half_width, middle, core::slice::from_mut(point));
                 point.weight = 1.0;
             }
         }
-        for (feature, measured) in features.iter_mut().zip(&self.scalars) {
-            if let Some(measured) = measured {
-                *feature = Some(measured.value);
-            }
-        }
         let noise = self.first_noise();
-        let nearest = [Side::Smooth, Side::Dented]
-            .into_iter()
-            .flat_map(|side| grid.nearest::<1>(side, &features));
-        let nearest = nearest
-            .flatten()
-            .map(|start| start.distance)
-            .fold(f64::INFINITY, f64::min);
         let mut candidates = [None::<Candidate>; 2];
         for (candidate, side) in candidates.iter_mut().zip([Side::Smooth, Side::Dented]) {
-            let starts: [_; STARTS] = grid.nearest(side, &features);
-            for start in starts
-                .into_iter()
-                .flatten()
-                .filter(|start| start.distance <= nearest + START_DISTANCE)
-            {
+            let starts: [_; STARTS] = grid.nearest(side, features);
+            for start in starts.into_iter().flatten().filter(|start| start.distance <= limit) {
                 let mut nuisances = [0.0; NUISANCES];
                 if count > 0 {
                     let shape = self.fitter.shapes.at(start.theta)?;
@@ -91,13 +104,21 @@ impl Solver<'_, '_, '_, '_> {
                     nuisances[SHIFT] = -0.5 * (front + rear);
                 }
                 let data = self.data(few.get(..count).unwrap_or_default(), noise);
-                if let Some(fit) = self.fitter.fit(&data, side, start.theta, Slopes::Local, nuisances)?
+                let start = Start {
+                    side,
+                    theta: start.theta,
+                    nuisances,
+                    slopes: None,
+                };
+                if let Some(fit) = self.fitter.fit(&data, start, Accuracy::Start)?
                     && candidate.is_none_or(|best| fit.sum < best.sum)
                 {
                     *candidate = Some(Candidate {
-                        side,
-                        theta: fit.theta,
-                        nuisances: fit.nuisances,
+                        start: Start {
+                            theta: fit.theta,
+                            nuisances: fit.nuisances,
+                            ..start
+                        },
                         sum: fit.sum,
                     });
                 }

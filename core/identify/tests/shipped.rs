@@ -176,19 +176,24 @@ fn noise_is_found_and_intervals_hold() {
     assert!(held + 2 >= asked, "{held} of {asked}");
 }
 
+/// One by one they scatter, because the model's outlines are rounded to 1e-5 l.
 #[test]
 fn intervals_near_the_best_value_are_those_of_the_curvature() {
-    each(
-        Observable::Midplane,
-        2e-4,
-        |m| m.contour.as_mut().unwrap().noise_um = Some(2e-4 * CHANNEL_UM),
-        |_, found| {
-            let Interval { low, high, .. } = found.capillary_number.interval_95;
-            let half = 0.5 * (high / low).ln();
-            let expected = 1.96 * found.deviations[0];
-            assert!((half / expected - 1.0).abs() < 0.05, "{half} {expected}");
-        },
-    );
+    let mut ratios = Vec::new();
+    for noise in [2e-4, 4e-4, 6e-4] {
+        each(
+            Observable::Midplane,
+            noise,
+            |m| m.contour.as_mut().unwrap().noise_um = Some(noise * CHANNEL_UM),
+            |_, found| {
+                let Interval { low, high, .. } = found.capillary_number.interval_95;
+                ratios.push(0.5 * (high / low).ln() / (1.96 * found.deviations[0]));
+            },
+        );
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((mean - 1.0).abs() < 0.03, "{mean} {ratios:?}");
+    assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.2), "{ratios:?}");
 }
 
 /// A turn of a picture.
