@@ -95,9 +95,16 @@ fn trace<T: Real, const D: usize>(
     let middle = T::from_f32(0.5) * (extent[0] + extent[1]);
     let mut rays = Rays::new(middle, out, movement);
     let view = View { across };
-    for element in mesh.elements() {
+    let mirrored = across[1] == T::ZERO && mesh.sector_nodes().len() < mesh.nodes();
+    for element in mesh.elements().map(|element| element.map(usize::from)) {
+        let places = element.map(|node| positions[node]);
+        // The outline's other half is not wanted, and along z its front and its back are the same.
+        if places.iter().all(|place| view.project(*place)[1] < T::ZERO)
+            || (mirrored && places.iter().all(|place| view.toward(*place) < T::ZERO))
+        {
+            continue;
+        }
         let nodes = element.map(|node| {
-            let node = usize::from(node);
             let (sector_node, operation) = mesh.origin(node).unwrap_or_default();
             let normal = normals.get(sector_node).copied().unwrap_or([T::ZERO; 3]);
             Node {
