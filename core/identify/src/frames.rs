@@ -6,7 +6,7 @@ use crate::domain::Side;
 use crate::fit::{Accuracy, Fitter};
 use crate::grid::{FEATURES, Grid, distance, of_curve};
 use crate::measurement::{Contour, MAX_FRAMES, Measurement, Sequence};
-use crate::noise::{BINS, LEAST_NOISE, bin};
+use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
 use crate::residuals::{Data, EDGE, NUISANCES, Place, Point, SCALE, SHIFT};
 use crate::shapes::{SCALARS, Shape};
 use crate::solver::Solver;
@@ -32,7 +32,10 @@ const TIME_STEP: f64 = 0.02;
 pub(crate) struct Frame {
     pub(crate) points: [Point; 2 * BINS],
     pub(crate) count: usize,
+    /// Of a point, as if all were independent.
     pub(crate) noise: f64,
+    /// The residuals of all points; none before they are gathered.
+    pub(crate) residuals: Noise,
     pub(crate) t: f64,
     pub(crate) nuisances: [f64; NUISANCES],
 }
@@ -160,14 +163,14 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             let noise = solver.estimate_noise(&shape.curve, &nuisances, None, points);
             let data = solver.data(&[], 1.0);
             let frame = &mut self.frames[j];
-            frame.noise = noise.effective.max(LEAST_NOISE);
+            (frame.noise, frame.residuals) = (noise.effective.max(LEAST_NOISE), noise);
             frame.count = bin(&data, &shape.curve, &nuisances, points, &mut frame.points);
         }
         Ok(())
     }
 
     /// The data of a frame, with the priors of edge and scale as they count once for all frames.
-    fn data<'p>(&mut self, j: usize, frame: &'p Frame, bound: f64) -> Data<'p> {
+    pub(crate) fn data<'p>(&mut self, j: usize, frame: &'p Frame, bound: f64) -> Data<'p> {
         let root = libm::sqrt(self.count() as f64);
         let measurement = self.sequence.measurement(&self.sequence.contours[j]);
         let points = frame.points.get(..frame.count).unwrap_or_default();
@@ -356,6 +359,13 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
     }
 }
 
+/// By how much the sum would fall by the full step of all common unknowns, if it could leave the domain.
+pub(crate) fn fall_outside(linears: &[Linear; MAX_FRAMES]) -> f64 {
+    let gradient = gradient(linears);
+    let step = step(linears, 0.0).unwrap_or([0.0; COMMON]);
+    -gradient.iter().zip(step).map(|(g, step)| g * step).sum::<f64>()
+}
+
 /// By how much the sum would fall if a frame had a capsule of its own, edge and scale as they are.
 pub(crate) fn fall(linear: &Linear) -> f64 {
     let [[a, b, ..], [_, c, ..], ..] = linear.matrix;
@@ -378,6 +388,9 @@ fn step(linears: &[Linear; MAX_FRAMES], damping: f64) -> Option<[f64; COMMON]> {
     for (i, row) in matrix.iter_mut().enumerate() {
         row[i] *= 1.0 + damping;
     }
-    let right = core::array::from_fn(|i| -linears.iter().map(|linear| linear.gradient[i]).sum::<f64>());
-    Some(Factor::new(&matrix)?.solve(&right))
+    Some(Factor::new(&matrix)?.solve(&gradient(linears).map(|g| -g)))
+}
+
+fn gradient(linears: &[Linear; MAX_FRAMES]) -> [f64; COMMON] {
+    core::array::from_fn(|i| linears.iter().map(|linear| linear.gradient[i]).sum())
 }

@@ -32,6 +32,8 @@ pub enum Verdict {
     NotSuchACapsule,
     /// The scale or the edge would have to be farther off than was said to be possible.
     ScaleInconsistent,
+    /// Several frames differ by more than their noise.
+    FramesDiffer,
 }
 
 impl Verdict {
@@ -45,6 +47,7 @@ impl Verdict {
             Self::Undetermined => "undetermined",
             Self::NotSuchACapsule => "not-such-a-capsule",
             Self::ScaleInconsistent => "scale-or-channel-inconsistent",
+            Self::FramesDiffer => "frames-differ",
         }
     }
 
@@ -70,6 +73,9 @@ impl Verdict {
             }
             Self::ScaleInconsistent => {
                 "the scale or the edge would have to be three deviations off: check scale, half width and threshold"
+            }
+            Self::FramesDiffer => {
+                "the frames differ by more than their noise: they do not show one capsule, or it is not steady"
             }
         }
     }

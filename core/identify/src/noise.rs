@@ -29,6 +29,18 @@ pub(crate) struct Noise {
     pub(crate) residual: f64,
 }
 
+/// Neighbouring residuals that err alike, more than by chance.
+const CORRELATED: f64 = 3.0;
+
+impl Noise {
+    /// Whether the residuals that are smooth along the contour are greater than errors of the edge and of the model,
+    /// in l, could make them.
+    pub(crate) fn is_structured(&self, edge: f64, bound: f64) -> bool {
+        let smooth = self.residual * libm::sqrt(1.0 - 1.0 / self.correlated.max(1.0));
+        self.correlated > CORRELATED && smooth > edge.max(bound)
+    }
+}
+
 impl Solver<'_, '_, '_, '_> {
     /// Noise of the residuals from a curve, and Huber's weights of the points.
     pub(crate) fn estimate_noise(

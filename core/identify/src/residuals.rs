@@ -268,6 +268,13 @@ impl<'p> Data<'p> {
         }
     }
 
+    /// How much of the model's error nuisance parameters ask for: the sum of squares of its cosines' coefficients, each
+    /// in its standard deviation where the scale is 1.
+    pub(crate) fn structure(&self, nuisances: &[f64; NUISANCES]) -> f64 {
+        let shares = (MODE..NUISANCES).map(|i| nuisances[i] * self.scale / self.deviation(i));
+        shares.map(|share| share * share).sum()
+    }
+
     /// The residual of a place, in l, less the model's error; its place along the curve, and whether it lies below.
     pub(crate) fn point_residual(
         &self,

@@ -10,15 +10,17 @@ use crate::algebra::Factor;
 use crate::domain::{Domain, Side};
 use crate::error::IdentifyError;
 use crate::fit::{Accuracy, Fitter};
-use crate::frames::{COMMON, Fit, Frame, fall, summed};
+use crate::frames::{COMMON, Fit, Frame, STARTS, fall, fall_outside, summed};
 use crate::grid::Grid;
-use crate::identification::Estimate;
+use crate::identification::{Alternative, Estimate, Verdict};
 use crate::measurement::{Contour, Direction, Flow, Lengths, MAX_FRAMES, Measurement, Sequence};
 use crate::model_error;
-use crate::noise::BINS;
+use crate::noise::{BINS, Noise};
 use crate::profile::Interval;
-use crate::residuals::{NUISANCES, Point};
+use crate::residuals::{EDGE, NUISANCES, Point, SCALE};
 use crate::shapes::{Shapes, VELOCITY};
+use crate::solve::{CHI_SQUARED_95, DROPPED_RISE, GREATEST_STRUCTURE};
+use crate::solver::SIGNIFICANT;
 use capsule_core::EvaluateError;
 
 /// Standard normal quantiles of 68.27 and 95 %.
@@ -45,6 +47,10 @@ pub struct SequenceIdentification {
     pub drift: f64,
     /// Degrees of freedom of the drift: its mean where all frames show one capsule.
     pub drift_freedom: f64,
+    /// Another capsule that fits as well.
+    pub alternative: Option<Alternative>,
+    /// Kind of answer.
+    pub verdict: Verdict,
     /// How many outlines of the model were computed.
     pub evaluations: u32,
 }
@@ -99,6 +105,7 @@ fn identify_frames(
         points: [Point::default(); 2 * BINS],
         count: 0,
         noise: 0.0,
+        residuals: Noise::default(),
         t: 0.0,
         nuisances: [0.0; NUISANCES],
     };
@@ -111,23 +118,64 @@ fn identify_frames(
         theta: [0.0; 2],
         frames: [empty; MAX_FRAMES],
     };
-    let mut best: Option<(f64, Side, [f64; 2], [Frame; MAX_FRAMES])> = None;
-    for (side, theta, instants) in fit.starts(grid)?.into_iter().flatten() {
+    let mut found: [Option<Found>; STARTS] = [None; STARTS];
+    for (found, start) in found.iter_mut().zip(fit.starts(grid)?) {
+        let Some((side, theta, instants)) = start else {
+            continue;
+        };
         fit.begin(side, theta, instants)?;
-        if let Some(sum) = fit.run()?
-            && best.as_ref().is_none_or(|(least, ..)| sum < *least)
-        {
-            best = Some((sum, fit.side, fit.theta, fit.frames));
+        *found = fit.run()?.map(|sum| fit.found(sum));
+    }
+    if let [Some(a), Some(b)] = &found {
+        // The second only if it is another capsule that may fit as well with all points.
+        let worse = if a.sum <= b.sum { 1 } else { 0 };
+        if (a.sum - b.sum).abs() > DROPPED_RISE || a.is_near(b) {
+            found[worse] = None;
         }
     }
-    let (_, side, theta, frames) = best.ok_or(IdentifyError::NoFit)?;
-    (fit.side, fit.theta, fit.frames) = (side, theta, frames);
-    // Twice: the weights of the points, and the bins, from the residuals of the fit before.
-    for _ in 0..2 {
-        fit.gather(points)?;
-        fit.run()?.ok_or(IdentifyError::NoFit)?;
+    for found in &mut found {
+        if let Some(start) = found {
+            (fit.side, fit.theta, fit.frames) = (start.side, start.theta, start.frames);
+            let mut sum = None;
+            // Twice: the weights of the points, and the bins, from the residuals of the fit before.
+            for _ in 0..2 {
+                fit.gather(points)?;
+                sum = fit.run()?;
+            }
+            *found = sum.map(|sum| fit.found(sum));
+        }
     }
-    fit.state()
+    let (best, other) = match found {
+        [Some(a), Some(b)] if b.sum < a.sum => (b, Some(a)),
+        [Some(a), b] => (a, b),
+        [None, Some(b)] => (b, None),
+        [None, None] => return Err(IdentifyError::NoFit),
+    };
+    let other = other.filter(|other| other.sum - best.sum <= CHI_SQUARED_95 && !other.is_near(&best));
+    (fit.side, fit.theta, fit.frames) = (best.side, best.theta, best.frames);
+    let alternative = other.map(|other| Alternative {
+        capillary_number: libm::exp(other.theta[0]),
+        confinement: other.theta[1],
+        rise: other.sum - best.sum,
+    });
+    fit.state(best.sum, alternative)
+}
+
+/// Where a fit has ended, and its sum of squares.
+#[derive(Clone, Copy)]
+struct Found {
+    sum: f64,
+    side: Side,
+    theta: [f64; 2],
+    frames: [Frame; MAX_FRAMES],
+}
+
+impl Found {
+    /// Whether another is the same minimum.
+    fn is_near(&self, other: &Self) -> bool {
+        const NEAR: [f64; 2] = [0.1, 0.02];
+        self.side == other.side && (0..2).all(|d| (self.theta[d] - other.theta[d]).abs() < NEAR[d])
+    }
 }
 
 impl<'s> Sequence<'s> {
@@ -147,7 +195,16 @@ impl<'s> Sequence<'s> {
 }
 
 impl Fit<'_, '_, '_, '_> {
-    fn state(&mut self) -> Result<SequenceIdentification, IdentifyError> {
+    fn found(&self, sum: f64) -> Found {
+        Found {
+            sum,
+            side: self.side,
+            theta: self.theta,
+            frames: self.frames,
+        }
+    }
+
+    fn state(&mut self, sum: f64, alternative: Option<Alternative>) -> Result<SequenceIdentification, IdentifyError> {
         let linears = self.total()?.ok_or(IdentifyError::NoFit)?;
         let factor = Factor::new(&summed(&linears)).ok_or(IdentifyError::NoFit)?;
         let covariance: [[f64; COMMON]; COMMON] = core::array::from_fn(|i| factor.inverse_column(i));
@@ -182,7 +239,7 @@ impl Fit<'_, '_, '_, '_> {
         };
         let shear = self.sequence.setup.viscosity_pa_s * mean_velocity / value;
         let confinements = self.fitter.domain.confinements();
-        Ok(SequenceIdentification {
+        let found = SequenceIdentification {
             capillary_number: estimate(ca, deviations[0], range, libm::exp),
             confinement: estimate(confinement, deviations[1], confinements, |x| x),
             radius_um: estimate(confinement, deviations[1], confinements, |x| x * half_width),
@@ -197,7 +254,57 @@ impl Fit<'_, '_, '_, '_> {
                     .fold(0.0, |most: f64, f| most.max(f.noise)),
             drift: linears.iter().take(self.count()).map(fall).sum(),
             drift_freedom: 2.0 * (self.count() - 1) as f64,
+            alternative,
+            verdict: Verdict::Identified,
             evaluations: 0,
+        };
+        Ok(SequenceIdentification {
+            verdict: self.verdict(&found, sum, fall_outside(&linears))?,
+            ..found
+        })
+    }
+
+    fn verdict(
+        &mut self,
+        found: &SequenceIdentification,
+        sum: f64,
+        fall_outside: f64,
+    ) -> Result<Verdict, EvaluateError> {
+        let priors = self.sequence.priors;
+        let half_width = self.sequence.setup.half_width_um;
+        let edge = priors.edge_um / half_width;
+        let frames = self.frames;
+        // Frames of several capsules leave residuals that no single one explains, but each frame's own does.
+        if found.drifts() && found.drift > 0.5 * sum {
+            return Ok(Verdict::FramesDiffer);
+        }
+        for (j, frame) in frames.iter().enumerate().take(self.count()) {
+            let bound = self.shape(self.theta, frame.t)?.bound;
+            let structure = self.data(j, frame, bound).structure(&frame.nuisances);
+            let noisy = self.sequence.contours[j]
+                .noise_um
+                .is_some_and(|given| frame.residuals.point * half_width > 2.0 * given);
+            if frame.residuals.is_structured(edge, bound)
+                || (priors.model > 0.0 && (structure > GREATEST_STRUCTURE || noisy))
+            {
+                return Ok(Verdict::NotSuchACapsule);
+            }
+        }
+        let far = |value: f64, deviation: f64| value.abs() > SIGNIFICANT * deviation && deviation > 0.0;
+        let [first, ..] = &frames;
+        let is_open = |estimate: &Estimate| estimate.interval_95.open != [false; 2];
+        Ok(if fall_outside > CHI_SQUARED_95 {
+            Verdict::OutsideDomain
+        } else if far(first.nuisances[EDGE], edge) || far(first.nuisances[SCALE], priors.scale) {
+            Verdict::ScaleInconsistent
+        } else if found.drifts() {
+            Verdict::FramesDiffer
+        } else if found.alternative.is_some() {
+            Verdict::SeveralSolutions
+        } else if is_open(&found.capillary_number) || is_open(&found.confinement) {
+            Verdict::Bounded
+        } else {
+            Verdict::Identified
         })
     }
 }

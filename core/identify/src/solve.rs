@@ -10,16 +10,16 @@ use crate::misfit::Misfit;
 use crate::model_error;
 use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
 use crate::profile::{Interval, Profile};
-use crate::residuals::{Data, EDGE, MODES, NUISANCES, Point, SCALE, SHIFT, TILT};
+use crate::residuals::{Data, EDGE, Point, SCALE, SHIFT, TILT};
 use crate::shapes::{Shapes, VELOCITY};
 use crate::solver::{SIGNIFICANT, Solver};
 use crate::starts::{Candidate, START_POINTS};
 use capsule_core::EvaluateError;
 
 /// A start whose sum is greater than the best by this is dropped before all points take part.
-const DROPPED_RISE: f64 = 40.0;
+pub(crate) const DROPPED_RISE: f64 = 40.0;
 /// A solution whose sum is greater by no more than this is as good (95 %, one degree of freedom).
-const CHI_SQUARED_95: f64 = 3.84;
+pub(crate) const CHI_SQUARED_95: f64 = 3.84;
 /// The most rounds of fits and weights.
 const ROUNDS: usize = 6;
 /// A change of the noise or of the scale of the model's error that needs no new fit, as a share.
@@ -28,10 +28,7 @@ const NOISE_TOLERANCE: f64 = 0.1;
 const QUANTILES: [f64; 2] = [1.0, 1.959_964];
 /// More of the model's error than it ever has: with a normal distribution 24 on average and 51 once in a thousand, but
 /// large errors are more frequent than that.
-const GREATEST_STRUCTURE: f64 = 150.0;
-/// Neighbouring residuals that err alike, more than by chance.
-const CORRELATED: f64 = 3.0;
-
+pub(crate) const GREATEST_STRUCTURE: f64 = 150.0;
 /// Identifies a capsule. `points` is room for as many points as the contour has.
 ///
 /// # Errors
@@ -312,10 +309,6 @@ impl Solver<'_, '_, '_, '_> {
             }
         };
         let shear = setup.viscosity_pa_s * mean_velocity / value;
-        let structure = fit.nuisances.iter().enumerate().skip(NUISANCES - MODES).map(|(i, c)| {
-            let share = c * fit.scale / data.deviation(i);
-            share * share
-        });
         let found = Identification {
             capillary_number: estimate(value, ca, &|change| value * libm::exp(change)),
             confinement: estimate(fit.theta[1], confinement, &|change| fit.theta[1] + change),
@@ -350,29 +343,33 @@ impl Solver<'_, '_, '_, '_> {
                 tilt: fit.nuisances[TILT],
                 scale_error: fit.nuisances[SCALE],
             },
-            structure: structure.sum(),
+            structure: data.structure(&fit.nuisances),
             side: fit.side,
             alternative,
             verdict: Verdict::Identified,
             evaluations: 0,
         };
         Ok(Identification {
-            verdict: self.verdict(&found, &fit, intervals),
+            verdict: self.verdict(&found, &noise, &fit, intervals),
             ..found
         })
     }
 
-    fn verdict(&self, found: &Identification, fit: &Fit, intervals: [Option<[Interval; 2]>; 3]) -> Verdict {
+    fn verdict(
+        &self,
+        found: &Identification,
+        noise: &Noise,
+        fit: &Fit,
+        intervals: [Option<[Interval; 2]>; 3],
+    ) -> Verdict {
         let priors = &self.measurement.priors;
         let given = self.measurement.contour.and_then(|contour| contour.noise_um);
         let noisy = given.is_some_and(|given| found.noise_um > 2.0 * given);
         let far = |value: f64, deviation: f64| value.abs() > SIGNIFICANT * deviation && deviation > 0.0;
         let open = |intervals: Option<[Interval; 2]>| intervals.is_none_or(|[_, wide]| wide.open != [false; 2]);
         let [ca, confinement, _] = intervals;
-        // The part of the residuals that is smooth along the contour, against the errors of the edge and the model.
-        let smooth = found.residual_um * libm::sqrt(1.0 - 1.0 / found.correlated_points.max(1.0));
-        let allowed = priors.edge_um.max(fit.bound * self.measurement.setup.half_width_um);
-        let structured = found.correlated_points > CORRELATED && smooth > allowed;
+        let edge = priors.edge_um / self.measurement.setup.half_width_um;
+        let structured = noise.is_structured(edge, fit.bound);
         if structured || (priors.model > 0.0 && (found.structure > GREATEST_STRUCTURE || noisy)) {
             Verdict::NotSuchACapsule
         } else if fit.fall_outside > CHI_SQUARED_95 {

@@ -540,6 +540,7 @@ fn a_transient_gives_the_capsule_and_the_instants() {
             errors.iter().all(|error| error.abs() < 3.5),
             "{truth:?}: {errors:?} {found:?}"
         );
+        assert_eq!(found.verdict, Verdict::Identified, "{truth:?}");
         assert!(
             (found.capillary_number.value / truth[0] - 1.0).abs() < 0.05,
             "{truth:?}: {found:?}"
@@ -572,14 +573,57 @@ fn steady_frames_are_averaged_and_their_drift_is_seen() {
     );
     assert!((all.capillary_number.value / truth[0]).ln().abs() < 3.5 * all.deviations[0]);
     assert!(!all.drifts(), "{} of {}", all.drift, all.drift_freedom);
+    assert_eq!(all.verdict, Verdict::Identified);
     let growing: Vec<_> = (0..6)
         .map(|i| ([0.07 * (1.0 + 0.02 * f64::from(i)), 0.98], end))
         .collect();
     let drawn = frames(&mut shapes, &growing, 2e-3, 12);
     let drifting = of_frames(&mut shapes, &grid, &drawn, true).unwrap();
     assert!(drifting.drifts(), "{} of {}", drifting.drift, drifting.drift_freedom);
+    assert_eq!(drifting.verdict, Verdict::FramesDiffer);
     let none = of_frames(&mut shapes, &grid, &[], true);
     assert!(matches!(none, Err(IdentifyError::Frames { found: 0 })));
+}
+
+#[test]
+fn frames_that_show_no_such_capsule_are_not_identified() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Midplane);
+    let grid = Grid::new(&mut shapes).unwrap();
+    let mut random = normals(21);
+    let mut drawn = |x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f64| -> Vec<Vec<[f64; 2]>> {
+        let mut point = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 500.0;
+            [x(angle), y(angle)].map(|x| CHANNEL_UM * (x + 1e-3 * random()))
+        };
+        (0..3).map(|_| (0..500).map(&mut point).collect()).collect()
+    };
+    // A square with rounded corners; a long ellipse, thinner than any capsule of its length.
+    let root = |x: f64| x.signum() * x.abs().sqrt();
+    let squares = drawn(&|angle| 0.8 * root(angle.cos()), &|angle| 0.8 * root(angle.sin()));
+    let ellipses = drawn(&|angle| 1.4 * angle.cos(), &|angle| 0.5 * angle.sin());
+    for contours in [squares, ellipses] {
+        for steady in [true, false] {
+            let found = of_frames(&mut shapes, &grid, &contours, steady).unwrap();
+            assert!(
+                matches!(
+                    found.verdict,
+                    Verdict::NotSuchACapsule | Verdict::OutsideDomain | Verdict::FramesDiffer
+                ),
+                "{:?}",
+                found.verdict
+            );
+        }
+    }
+    // A scale 4 % off, eight of its deviations, of a capsule that is almost a sphere: no other is larger and as round.
+    let sphere = frames(&mut shapes, &[([0.01, 0.9], 20.0); 3], 1e-3, 22);
+    let grown: Vec<Vec<_>> = sphere
+        .iter()
+        .map(|f| f.iter().map(|p| p.map(|x| 1.04 * x)).collect())
+        .collect();
+    let found = of_frames(&mut shapes, &grid, &grown, true).unwrap();
+    assert_ne!(found.verdict, Verdict::Identified);
 }
 
 #[test]

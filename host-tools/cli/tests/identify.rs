@@ -157,6 +157,7 @@ fn several_frames_tell_the_capsule_and_their_instants() {
         );
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(answer["verdict"], "identified");
         for (name, truth) in [("ca", CA), ("confinement", CONFINEMENT)] {
             let [low, high] = [0, 1].map(|end| answer[name]["interval_95"][end].as_f64().unwrap());
             assert!(low < truth && truth < high, "{name}: {truth} in {low} to {high}");

@@ -3,7 +3,7 @@
 use crate::outline::Outline;
 use crate::seen::{Summary, turned};
 use capsule_core::Model;
-use capsule_identify::{Estimate, Identification, Interval};
+use capsule_identify::{Alternative, Estimate, Identification, Interval};
 use serde::Serialize;
 
 /// Ends of an interval; none where it is open.
@@ -102,6 +102,16 @@ pub struct Other {
     pub rise_of_chi_squared: f64,
 }
 
+impl From<Alternative> for Other {
+    fn from(other: Alternative) -> Self {
+        Self {
+            ca: other.capillary_number,
+            confinement: other.confinement,
+            rise_of_chi_squared: other.rise,
+        }
+    }
+}
+
 impl Answer {
     /// The answer with what was done to find it; `blur_um` is the way of the capsule in the exposure.
     pub(crate) fn new(
@@ -149,11 +159,7 @@ impl Answer {
             tilt_degrees: found.tilt.to_degrees(),
             flow: direction.name(),
             blur_um,
-            alternative: found.alternative.map(|other| Other {
-                ca: other.capillary_number,
-                confinement: other.confinement,
-                rise_of_chi_squared: other.rise,
-            }),
+            alternative: found.alternative.map(Other::from),
             contour: outline.map(|outline| outline.note.clone()),
             picture: seen.map(|seen| seen.summary.clone()),
             warnings,

@@ -6,7 +6,7 @@ use crate::print;
 use anyhow::Result;
 use capsule_core::Model;
 use capsule_identify::{Contour, Estimate, Grid, Point, Sequence, SequenceIdentification, identify_sequence};
-use capsule_measurement::{Bench, Ends, Outline, ends};
+use capsule_measurement::{Bench, Ends, Other, Outline, ends};
 use serde::Serialize;
 
 /// A quantity with the ends of its intervals; none where an interval reaches the edge of the domain.
@@ -45,6 +45,9 @@ struct Answer {
     drift: f64,
     drift_freedom: f64,
     drifts: bool,
+    alternative: Option<Other>,
+    verdict: &'static str,
+    verdict_text: &'static str,
     model_digest: String,
 }
 
@@ -71,13 +74,6 @@ pub fn run(model: &Model<'_>, given: &Given, outlines: &[&Outline], transient: b
     let (mut shapes, _) = bench.shapes(model, given.observable());
     let grid = Grid::new(&mut shapes)?;
     let found = identify_sequence(&mut shapes, &grid, &sequence, &mut points)?;
-    if found.drifts() {
-        eprintln!(
-            "warning: the frames differ by more than their noise (chi-squared {:.0} for {:.0}): they do not show one \
-             capsule, or it is not steady",
-            found.drift, found.drift_freedom
-        );
-    }
     let count = sequence.contours.len();
     let instants = found.instants.iter().take(count).map(|[t, deviation]| Instant {
         t: *t,
@@ -93,6 +89,9 @@ pub fn run(model: &Model<'_>, given: &Given, outlines: &[&Outline], transient: b
         drift: found.drift,
         drift_freedom: found.drift_freedom,
         drifts: found.drifts(),
+        alternative: found.alternative.map(Other::from),
+        verdict: found.verdict.name(),
+        verdict_text: found.verdict.text(),
         model_digest: digest(model),
     };
     if json {
@@ -102,6 +101,7 @@ pub fn run(model: &Model<'_>, given: &Given, outlines: &[&Outline], transient: b
 }
 
 fn print_text(answer: &Answer, found: &SequenceIdentification) -> Result<()> {
+    println!("{}: {}", answer.verdict, answer.verdict_text);
     let row = |name: &str, quantity: &Quantity, factor: f64, digits: usize| {
         let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| format!("{:.digits$}", factor * end));
         let interval = |[low, high]: Ends| format!("{} to {}", end(low), end(high));
@@ -123,6 +123,12 @@ fn print_text(answer: &Answer, found: &SequenceIdentification) -> Result<()> {
     )?;
     for (number, Instant { t, deviation }) in answer.instants.iter().flatten().enumerate() {
         println!("frame {}: t = {t:.3} +- {deviation:.3} l/V", number + 1);
+    }
+    if let Some(other) = &answer.alternative {
+        println!(
+            "another solution: Ca {:.5}, a/l {:.4}, chi-squared greater by {:.2}",
+            other.ca, other.confinement, other.rise_of_chi_squared
+        );
     }
     println!(
         "noise {:.3} um; drift: chi-squared {:.1} for {:.0}",
