@@ -31,6 +31,12 @@ pub enum PictureError {
         /// Those of the background.
         background: [u32; 2],
     },
+    /// The background has another kind of grey levels.
+    #[error(
+        "one of picture and background has floating-point grey levels, the other whole numbers, so their scales differ: \
+         save both in one way"
+    )]
+    Levels,
     /// Nothing stands out.
     #[error(
         "no capsule is seen: nothing of at least {least} pixels across stands out from the background; a picture of \

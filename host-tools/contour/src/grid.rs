@@ -50,6 +50,12 @@ impl Grid {
         self.values[y * self.width + x]
     }
 
+    /// All values times a factor.
+    pub(crate) fn times(mut self, factor: f64) -> Self {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+        self
+    }
+
     /// The value at a place, by the cubic convolution of Keys (IEEE Trans. ASSP 29, 1981) with a = -1/2, whose
     /// derivatives are continuous; beyond the border, that of the border.
     pub(crate) fn sample(&self, [x, y]: [f64; 2]) -> f64 {

@@ -13,6 +13,7 @@ mod edge;
 mod error;
 mod flow;
 mod grid;
+mod levels;
 mod overlay;
 mod picture;
 mod rings;

@@ -6,11 +6,10 @@ use crate::edge::{Edge, refine};
 use crate::error::PictureError;
 use crate::flow::{Axis, Flow, rightward};
 use crate::grid::{Grey, Grid};
+use crate::levels::{self, Unit};
 use crate::rings::{Classes, LEAST, Rings, extent};
 use crate::walls::Walls;
 use image::ImageBuffer;
-use image::io::Reader;
-use std::io::Cursor;
 
 /// Standard deviation of the blur against the noise of pixels, in pixels.
 const BLUR: f32 = 1.0;
@@ -19,6 +18,7 @@ const BLUR: f32 = 1.0;
 #[derive(Clone, Debug)]
 pub struct Picture {
     pub(crate) grey: Grey,
+    unit: Unit,
     /// Whether it has two levels only: a mask.
     mask: bool,
 }
@@ -59,24 +59,18 @@ pub struct Capsule {
 }
 
 impl Picture {
-    /// Reads a PNG, JPEG or TIFF; of a stack, the first picture. Colours become shades of grey.
+    /// Reads a PNG, JPEG or TIFF, the last also of floating-point numbers; of a stack, the first picture. Colours become
+    /// shades of grey.
     ///
     /// # Errors
     /// Bytes that are none of these, or too few pixels.
     pub fn read(bytes: &[u8]) -> Result<Self, PictureError> {
-        let unreadable = |reason: String| PictureError::Unreadable { reason };
-        let reader = Reader::new(Cursor::new(bytes)).with_guessed_format();
-        let decoded = reader.map_err(|error| unreadable(error.to_string()))?.decode();
-        let decoded = decoded.map_err(|error| unreadable(error.to_string()))?.into_luma16();
-        let (width, height) = decoded.dimensions();
-        large_enough(width, height)?;
-        let first = decoded.as_raw()[0];
-        let mut others = decoded.as_raw().iter().filter(|value| **value != first);
+        let (grey, unit) = levels::read(bytes)?;
+        large_enough(grey.width(), grey.height())?;
+        let first = grey.as_raw()[0];
+        let mut others = grey.as_raw().iter().filter(|value| **value != first);
         let mask = others.next().is_some_and(|second| others.all(|value| value == second));
-        let grey = ImageBuffer::from_fn(width, height, |x, y| {
-            image::Luma([f32::from(decoded.get_pixel(x, y).0[0]) / f32::from(u16::MAX)])
-        });
-        Ok(Self { grey, mask })
+        Ok(Self { grey, unit, mask })
     }
 
     /// A mask: white where `inside` says so, by column and row.
@@ -86,7 +80,11 @@ impl Picture {
     pub fn mask(width: u32, height: u32, inside: impl Fn(u32, u32) -> bool) -> Result<Self, PictureError> {
         large_enough(width, height)?;
         let grey = ImageBuffer::from_fn(width, height, |x, y| image::Luma([f32::from(u8::from(inside(x, y)))]));
-        Ok(Self { grey, mask: true })
+        Ok(Self {
+            grey,
+            unit: Unit::Full,
+            mask: true,
+        })
     }
 
     /// Whether bytes begin like those of a picture.
@@ -102,7 +100,7 @@ impl Picture {
     /// Finds the capsules; `background` is a picture of the empty channel, of the same size.
     ///
     /// # Errors
-    /// A background of another size; no capsule, or none that the picture shows whole.
+    /// A background of another size or with other grey levels; no capsule, or none that the picture shows whole.
     pub fn capsules(&self, background: Option<&Self>, settings: &Settings) -> Result<Found, PictureError> {
         if let Some(background) = background
             && background.size() != self.size()
@@ -112,7 +110,13 @@ impl Picture {
                 background: background.size(),
             });
         }
-        let channel = Grid::of(&background.unwrap_or(self).grey);
+        // In this picture's unit.
+        let share = match (self.unit, background.unwrap_or(self).unit) {
+            (Unit::Full, Unit::Full) => 1.0,
+            (Unit::Greatest(own), Unit::Greatest(other)) => other / own,
+            _ => return Err(PictureError::Levels),
+        };
+        let channel = Grid::of(&background.unwrap_or(self).grey).times(share);
         let axis = settings.axis.unwrap_or_else(|| axis(&channel));
         let edge = settings.edge.unwrap_or(match self.mask {
             true => Edge::HalfLevel,
@@ -121,7 +125,7 @@ impl Picture {
         // The blur is linear: of the difference it is the difference of the blurred.
         let picture = Grid::blurred(&self.grey, BLUR);
         let picture = match background {
-            Some(background) => picture.minus(&Grid::blurred(&background.grey, BLUR)),
+            Some(background) => picture.minus(&Grid::blurred(&background.grey, BLUR).times(share)),
             None => picture,
         };
         let mut found = match axis {

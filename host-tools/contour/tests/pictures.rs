@@ -4,7 +4,7 @@ mod scene;
 
 use capsule_contour::{Axis, Edge, Flow, Found, Picture, PictureError, Settings};
 use image::ImageFormat;
-use scene::{Outline, Scene};
+use scene::{Outline, Scene, floats};
 
 fn find(scene: &Scene, background: Option<&Scene>) -> Result<Found, PictureError> {
     let picture = Picture::read(&scene.png()).unwrap();
@@ -100,6 +100,41 @@ fn every_format_gives_the_same() {
 
         assert!(error < 0.1, "{format:?}: {error}");
     }
+}
+
+#[test]
+fn floating_point_levels_are_those_of_whole_numbers() {
+    let scene = Scene::of([ellipse()]);
+    let empty = Scene {
+        outlines: Vec::new(),
+        ..scene.clone()
+    };
+    let level = |grey: f32| 3000.0 * grey - 500.0;
+    let picture = Picture::read(&floats(&scene, level)).unwrap();
+    let background = Picture::read(&floats(&empty, level)).unwrap();
+    for background in [None, Some(&background)] {
+        let found = picture.capsules(background, &Settings::default()).unwrap();
+        let whole = Picture::read(&scene.png()).unwrap();
+        let empty = Picture::read(&empty.png()).unwrap();
+        let same = whole
+            .capsules(background.map(|_| &empty), &Settings::default())
+            .unwrap();
+        let (found, same) = (&found.capsules[0].points, &same.capsules[0].points);
+        assert_eq!(found.len(), same.len());
+        for (point, other) in found.iter().zip(same) {
+            // Single precision.
+            assert!(
+                (point[0] - other[0]).hypot(point[1] - other[1]) < 1e-3,
+                "{point:?} {other:?}"
+            );
+        }
+    }
+
+    let whole = Picture::read(&empty.png()).unwrap();
+    let error = picture.capsules(Some(&whole), &Settings::default()).unwrap_err();
+    assert_eq!(error, PictureError::Levels);
+    let error = Picture::read(&floats(&scene, |_| f32::NAN)).unwrap_err();
+    assert!(error.to_string().contains("column 1 and row 1"), "{error}");
 }
 
 #[test]

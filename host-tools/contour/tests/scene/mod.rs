@@ -2,6 +2,8 @@
 
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma};
 use std::io::Cursor;
+use tiff::encoder::TiffEncoder;
+use tiff::encoder::colortype::Gray32Float;
 
 /// A closed curve.
 #[derive(Clone)]
@@ -257,4 +259,20 @@ impl Random {
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
+}
+
+/// A picture as a TIFF of floating-point numbers, each level by a function.
+pub fn floats(scene: &Scene, level: impl Fn(f32) -> f32) -> Vec<u8> {
+    let picture = scene.drawn().into_luma16();
+    let levels: Vec<f32> = picture
+        .as_raw()
+        .iter()
+        .map(|grey| level(f32::from(*grey) / 65535.0))
+        .collect();
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
+    encoder
+        .write_image::<Gray32Float>(picture.width(), picture.height(), &levels)
+        .unwrap();
+    bytes.into_inner()
 }
