@@ -64,6 +64,7 @@ async function walk(tongue, points) {
   await page.keyboard.press("Space");
   for (const dialog of ["take-away", "units", "help"]) {
     await page.click(`#open-${dialog}`);
+    await page.waitForSelector(`#${dialog}[open]`);
     await gather(page);
     await page.click(`#close-${dialog}`);
   }
@@ -124,7 +125,10 @@ describe("the page in French", () => {
       );
       await page.evaluate(AXE);
       for (const dialog of ["", "take-away", "units", "help"]) {
-        if (dialog !== "") await page.click(`#open-${dialog}`);
+        if (dialog !== "") {
+          await page.click(`#open-${dialog}`);
+          await page.waitForSelector(`#${dialog}[open]`);
+        }
         const { violations } = await page.evaluate(() => window.axe.run(document));
         const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
         assert.deepEqual(found, [], dialog);

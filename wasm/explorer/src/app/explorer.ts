@@ -5,7 +5,7 @@ import { fetchModel, loadModule, ModelError, openFile, read } from "../model/loa
 import { tieHelp } from "../panels/keys";
 import { describe } from "../panels/model-card";
 import { tieParameters } from "../panels/parameters";
-import { TakeAway } from "../panels/take-away";
+import type { Source, TakeAway } from "../panels/take-away";
 import { Tour } from "../panels/tour";
 import { isControl } from "../panels/transport";
 import { Address } from "./address";
@@ -47,6 +47,7 @@ export class Explorer {
   readonly #address: Address | undefined;
   /** The language on its way: nothing is shown before it is there. */
   #speaking: Promise<void>;
+  #wanted: Language | undefined;
   #failed: unknown;
   /** The state and the model that the link asks for, until that model is open. */
   #link: Link;
@@ -61,6 +62,7 @@ export class Explorer {
     this.#failure = this.root.part("failure", HTMLElement);
     this.#banner = this.root.part("banner", HTMLElement);
     this.root.element.dataset.status = "loading";
+    this.root.element.dataset.silent = "";
     tieParameters(this.root, this.store);
     this.workbench = new Workbench(this.root, this.store, (file) => this.open(file));
     if (ownsAddress) {
@@ -76,14 +78,7 @@ export class Explorer {
       (chosen) => this.speak(chosen),
     );
     new Tour(this.root);
-    new TakeAway(this.root, {
-      shown: () => this.workbench.shown,
-      link: () => new URL(this.fragment(), window.location.href).href,
-      session: () => toSession(this.fragment(), this.workbench.measured.file),
-      picture: () => this.workbench.picture(),
-      scale: () => this.workbench.scale(),
-      seek: (t) => this.workbench.seek(t),
-    });
+    this.#tieExport();
     this.#takeFiles();
     this.#takePaste();
     this.#tieCopy();
@@ -96,17 +91,19 @@ export class Explorer {
 
   /** Goes over to a language, as soon as its words are loaded; where they cannot be, it stays with the one it has. */
   speak(language: Language): Promise<void> {
-    this.#speaking = this.#load(language);
+    this.#wanted = language;
+    this.#speaking = this.#translate(language);
     return this.#speaking;
   }
 
-  async #load(language: Language): Promise<void> {
-    this.root.element.toggleAttribute("data-silent", this.root.element.lang === "");
-    try {
-      this.root.translate(language, await wordsOf(language));
-    } catch {
-      if (this.root.element.lang === "") this.root.translate("en", this.root.words);
-    }
+  async #translate(language: Language): Promise<void> {
+    const spoken = { language: this.root.language, words: this.root.words };
+    const found = await wordsOf(language).then(
+      (words) => ({ language, words }),
+      () => spoken,
+    );
+    if (language !== this.#wanted) return;
+    this.root.translate(found.language, found.words);
     this.root.element.removeAttribute("data-silent");
   }
 
@@ -287,6 +284,28 @@ export class Explorer {
       const text = clipboardData.getData("text/plain");
       if (file !== undefined) await this.open(file);
       else if (text !== "") await this.open(new File([text], "pasted.txt"));
+    });
+  }
+
+  /** The dialog of the exports, and all that writes files, is loaded when it is first asked for. */
+  #tieExport(): void {
+    const source: Source = {
+      shown: () => this.workbench.shown,
+      link: () => new URL(this.fragment(), window.location.href).href,
+      session: () => toSession(this.fragment(), this.workbench.measured.file),
+      picture: () => this.workbench.picture(),
+      scale: () => this.workbench.scale(),
+      seek: (t) => this.workbench.seek(t),
+    };
+    let dialog: TakeAway | undefined;
+    this.root.part("open-take-away", HTMLButtonElement).addEventListener("click", async () => {
+      try {
+        const { TakeAway } = await import("../panels/take-away");
+        dialog ??= new TakeAway(this.root, source);
+        dialog.open();
+      } catch (error) {
+        this.#fail(new ModelError((words) => [words.noProgram(text(error)), words.loadAgain]));
+      }
     });
   }
 

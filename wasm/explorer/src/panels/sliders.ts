@@ -22,13 +22,15 @@ export class ParameterSliders implements ViewPart {
     this.#onChange = onChange;
   }
 
-  draw(_: readonly Trace[], { state, capsule }: Context): void {
+  draw(_: readonly Trace[], { state, capsule, words }: Context): void {
     if (capsule !== this.#capsule) {
       this.#capsule = capsule;
       this.#make(capsule);
     }
     this.#values = state.parameters;
     this.#inputs.forEach((inputs, i) => {
+      const [slider, number] = inputs;
+      if (slider && number) number.ariaLabel = words.sliders.value(slider.ariaLabel ?? "");
       for (const input of inputs) {
         const value = state.parameters[i] ?? 0;
         if (document.activeElement !== input || input.valueAsNumber !== value) input.value = short(value);
@@ -45,9 +47,6 @@ export class ParameterSliders implements ViewPart {
       slider.step = String((max - min) / STEPS || 1);
       const id = this.#root.id(`parameter-${i}`);
       const number = html("input", { type: "number", id, step: "any" });
-      this.#root.speak(({ sliders }) => {
-        number.ariaLabel = sliders.value(name);
-      });
       for (const input of [slider, number]) {
         input.addEventListener("input", () => {
           if (Number.isFinite(input.valueAsNumber)) this.#onChange(this.#values.with(i, input.valueAsNumber));

@@ -50,11 +50,10 @@ export class TakeAway {
     this.#root = root;
     this.#source = source;
     this.#dialog = root.part("take-away", HTMLDialogElement);
-    root.part("open-take-away", HTMLButtonElement).addEventListener("click", () => this.#open());
     root.part("close-take-away", HTMLButtonElement).addEventListener("click", () => this.#dialog.close());
   }
 
-  #open(): void {
+  open(): void {
     const shown = this.#source.shown();
     if (shown === undefined) return;
     const [traces, context] = shown;

@@ -29,14 +29,18 @@ export class SolidView implements ViewPart {
   #solid: Promise<Solid | null> | undefined;
   #made: Solid | null | undefined;
   #triangles: unknown;
+  /** Says what stands in place of the picture. */
+  #tell: ((words: Messages["space"]) => void) | undefined;
   #drawn: readonly [readonly Trace[], Context] | undefined;
 
   constructor(root: Root, store: Store) {
     this.#root = root;
     this.#store = store;
     this.#stage = root.part("solid", HTMLElement);
-    root.speak(({ page }) => {
+    root.speak(({ page, space }) => {
       this.#stage.dataset.none = page.noShape;
+      this.#made?.speak(space);
+      this.#tell?.(space);
     });
     this.#controls = new SolidControls(root, store, (from) => this.#look(from));
   }
@@ -82,7 +86,7 @@ export class SolidView implements ViewPart {
         lost: () => this.#say(({ lost }) => lost, true),
         restored: () => this.#clear(),
       });
-      this.#root.speak((words) => solid.speak(words.space));
+      solid.speak(this.#root.words.space);
       solid.look(this.#camera);
       this.#legend ??= new FieldLegend(this.#root, this.#store, colours);
       this.#made = solid;
@@ -101,14 +105,16 @@ export class SolidView implements ViewPart {
     const words = html("p");
     const restart = button("", () => this.#restart());
     this.#stage.append(html("div", { className: "missing" }, words, ...(isAgain ? [restart] : [])));
-    this.#root.speak(({ space }) => {
+    this.#tell = (space) => {
       words.textContent = say(space);
       restart.textContent = space.startAgain;
-    });
+    };
+    this.#tell(this.#root.words.space);
   }
 
   #clear(): void {
     this.#stage.querySelector(".missing")?.remove();
+    this.#tell = undefined;
   }
 
   /** Makes the view anew, with a new context. */
