@@ -44,21 +44,29 @@ async function walk(tongue, points) {
     for (const text of await textsOf(page)) texts.add(text);
   };
   const states = [
-    `#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9&layer=error_bound${VIEWS}`,
-    `#ca=0.13&al=0.95&t=3&extrapolate=1&along=ca&trace=error_bound${VIEWS}`,
-    `#ca=0.1&al=0.9&t=3&m=01234567&file=own.crom&dims=100,1,10&frame=centroid${FLAT}`,
-    `#ca=0.9&al=0.9${FLAT}`,
-    `#ca=0.15&al=1.1&t=20&extrapolate=1${FLAT}`,
-    "#ca=0.1&al=0.9&views=solid&colour=velocity&clip=y",
+    `ca=0.13&al=0.95&t=3&extrapolate=1&along=ca&trace=error_bound${VIEWS}`,
+    `ca=0.1&al=0.9&t=3&m=01234567&file=own.crom&dims=100,1,10&frame=centroid${FLAT}`,
+    `ca=0.9&al=0.9${FLAT}`,
+    `ca=0.15&al=1.1&t=20&extrapolate=1${FLAT}`,
+    "ca=0.1&al=0.9&views=solid&colour=velocity&clip=y&pins=A:direct:0.1,0.9",
+    "ca=0.06&al=0.95&t=3&views=midplane.measured",
   ];
+  const first = `ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9&layer=error_bound${VIEWS}`;
+  const { page, close } = await open(`?lang=${tongue}#${first}`, { viewport: { width: 720, height: 560 } });
+  // The figures are spoken when they have been at rest.
+  const said = () => page.waitForFunction(() => document.querySelector("#announcement").textContent !== "");
+  await said();
+  await gather(page);
   for (const state of states) {
-    const { page, close } = await open(`?lang=${tongue}${state}`, { viewport: { width: 720, height: 560 } });
-    if (state.includes("solid")) await page.waitForSelector("#solid[data-rendered] ~ #field:not([hidden])");
-    await page.waitForTimeout(900);
+    await page.evaluate((fragment) => {
+      document.querySelector("#announcement").textContent = "";
+      window.location.hash = fragment;
+    }, state);
+    await settled(page);
+    if ((await page.getAttribute("body", "data-answer")) !== "refused") await said();
+    if (state.includes("solid")) await page.waitForSelector("#field:not([hidden])");
     await gather(page);
-    await close();
   }
-  const { page, close } = await open(`?lang=${tongue}#ca=0.06&al=0.95&t=3&views=midplane.measured`);
   await page.keyboard.press("Space");
   await gather(page);
   await page.keyboard.press("Space");

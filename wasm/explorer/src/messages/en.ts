@@ -40,7 +40,7 @@ export const en = {
     solid: "Capsule in the channel",
     initial: "Initial shape",
     flow: "Flow",
-    flowHint: "Profile of the undisturbed flow in the chosen frame",
+    flowHint: "Profile of the undisturbed flow in the chosen frame, in the plane z = 0 and in space",
     colour: "Colour of the membrane",
     clip: "Plane that the capsule is cut open by",
     cameras: "Seen from",
