@@ -356,6 +356,7 @@ export const en = {
       `flow ${flow}; residuals ${residuals} µm, edge ${edge} µm; scale ${scale} %, tilt ${tilt}°; ` +
       `χ² ${chi} for ${freedom}`,
     ofModel: (digest: string) => `model ${digest}`,
+    foot: (digest: string, line: string) => `Model ${digest}; ${line}`,
     open: "open",
     interval: (low: string, high: string) => `${low} to ${high}`,
     quantity: "quantity",

@@ -379,6 +379,7 @@ export const fr: Messages = {
       `écoulement ${flow} ; résidus ${residuals} µm, bord ${edge} µm ; échelle ${scale} %, inclinaison ${tilt}° ; ` +
       `χ² ${chi} pour ${freedom}`,
     ofModel: (digest) => `modèle ${digest}`,
+    foot: (digest, line) => `Modèle ${digest} ; ${line}`,
     open: "ouvert",
     interval: (low, high) => `de ${low} à ${high}`,
     quantity: "grandeur",

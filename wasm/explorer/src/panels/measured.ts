@@ -128,7 +128,7 @@ export class MeasuredView implements ViewPart {
     return svgText(
       figureSvg(this.#stage, {
         title: words.title(this.#measured.file?.name ?? ""),
-        foot: `${words.ofModel(answer.model_digest)}; ${line}`,
+        foot: words.foot(answer.model_digest, line),
         description: [line, meaning, `${answer.contour}; ${details(answer, words)}`, against].join("\n"),
       }),
     );
