@@ -111,7 +111,7 @@ async function walk(points) {
   await identified(page);
   await page.hover("#map-surface");
   await gather(page);
-  await page.setInputFiles("#model-file", { name: "no.json", mimeType: "", buffer: Buffer.from("{}") });
+  await page.setInputFiles("#model-file", { name: "session.json", mimeType: "", buffer: Buffer.from("{}") });
   await page.waitForSelector("#failure:not([hidden])");
   await gather(page);
   await close();
