@@ -69,6 +69,7 @@ for (const dialog of ["take-away", "units", "help"]) {
   test(`accessibility: the dialog ${dialog}`, async () => {
     const { page, close } = await open("#views=midplane", { colorScheme: "dark" });
     await page.click(`#open-${dialog}`);
+    await page.waitForSelector(`#${dialog}[open]`);
     await page.evaluate(AXE);
     const { violations } = await page.evaluate(() => window.axe.run(document));
     assert.deepEqual(

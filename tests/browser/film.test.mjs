@@ -62,6 +62,7 @@ test("a browser without WebCodecs says so, and loads nothing for films", async (
   await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
   await page.evaluate(() => delete window.VideoEncoder);
   await page.click("#open-take-away");
+  await page.waitForSelector("#take-away[open]");
   assert.match(await page.innerText("#take-away-list"), /has no WebCodecs/);
   assert.ok(await page.getByRole("button", { name: "Capsule in the channel, moving, MP4" }).isDisabled());
   assert.ok(!loaded.some((address) => address.includes("video")), loaded.join());

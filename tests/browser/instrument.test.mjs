@@ -395,6 +395,66 @@ describe("export", () => {
   );
 });
 
+describe("the undisturbed flow", () => {
+  /** Velocities of the profile in the section, at y = 0 and y = 0.5, in V: from the drawing and its scale. */
+  const drawn = (page) =>
+    page.evaluate(() => {
+      // The line that the arrows begin at, then the profile from wall to wall.
+      const [, base, profile] = document.querySelector("#midplane .flow").getAttribute("d").split("M");
+      const curve = profile.split("L").map((place) => place.split(" ").map(Number));
+      const walls = [...document.querySelectorAll("#midplane line.wall")].map((line) =>
+        Number(line.getAttribute("y1")),
+      );
+      const scale = Math.abs(walls[0] - walls[1]) / 2;
+      // An arrow of V is half an l long.
+      return [20, 30].map((i) => (curve[i][0] - Number.parseFloat(base)) / (0.5 * scale));
+    });
+  // The cosine series of a square duct, summed to convergence.
+  const EXACT = [2.0962560147, 1.63141622];
+
+  onPage("is drawn in the section in the chosen frame", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const same = (found, frame) =>
+      found.forEach((value, i) => {
+        assert.ok(Math.abs(value - (EXACT[i] - frame)) < 2e-3, `${value}, exact ${EXACT[i] - frame}`);
+      });
+    assert.equal(await page.getAttribute("#midplane .flow", "d"), "");
+    await page.check("#profile-midplane");
+    await settled(page);
+    same(await drawn(page), 0);
+    assert.equal(await page.textContent("#midplane .flow-value"), "2.1 V");
+    assert.equal(await page.getAttribute("#diagonal .flow", "d"), "");
+    await page.check("input[name=frame][value=centroid]", { force: true });
+    await settled(page);
+    const { velocity } = native(0.1, 0.9, 3);
+    same(await drawn(page), velocity);
+    await page.waitForFunction(() => window.location.hash.includes("profile=1"));
+    await page.reload();
+    await page.waitForFunction(() => document.body.dataset.status === "ready");
+    await settled(page);
+    assert.equal(await page.isChecked("#profile-midplane"), true);
+    same(await drawn(page), velocity);
+  });
+
+  onPage(
+    "is drawn in space",
+    "#ca=0.1&al=0.9&t=3&views=solid",
+    async (page) => {
+      await page.waitForSelector("#solid[data-rendered]");
+      const picture = () => page.locator("#solid canvas").screenshot();
+      const before = await picture();
+      assert.deepEqual(await picture(), before);
+      await page.check("#profile");
+      await settled(page);
+      const withFlow = await picture();
+      assert.notDeepEqual(withFlow, before);
+      await page.uncheck("#profile");
+      await settled(page);
+      assert.deepEqual(await picture(), before);
+    },
+    { viewport: { width: 720, height: 560 } },
+  );
+});
+
 describe("the element", () => {
   onPage("shows what its attributes say, and says what it shows", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
     await page.evaluate(() => {
@@ -433,6 +493,49 @@ describe("the element", () => {
     assert.deepEqual(await shown(), []);
     // The page's own explorer is another one.
     assert.deepEqual([(await state(page)).ca, (await state(page)).t], [0.1, 3]);
+  });
+
+  test("is all that its script brings to another page", async () => {
+    const { page: first, close } = await open(`#ca=0.1${FLAT}`);
+    const page = await first.context().newPage();
+    const errors = [];
+    page.on("pageerror", (error) => errors.push(String(error)));
+    // Words and looks of a page that has nothing to do with the explorer, in classes that the explorer has too.
+    const own =
+      '<h2 class="title">Own</h2><button class="play">Own</button><p class="map">Own</p><svg><text>x</text></svg>';
+    const element = '<capsule-explorer ca="0.05" al="0.8" t="6" views="midplane"></capsule-explorer>';
+    const body = `<!doctype html><html lang="en"><title>x</title><body>${own}</body></html>`;
+    await page.route("**/other.html", (route) => route.fulfill({ contentType: "text/html", body }));
+    await page.goto(`${url()}other.html`);
+    const looks = () =>
+      page.evaluate(() =>
+        [
+          document.documentElement,
+          ...document.querySelectorAll("body, body > :not(capsule-explorer, script), text"),
+        ].map((part) => {
+          const { font, color, backgroundColor, display, margin, padding, borderWidth } = getComputedStyle(part);
+          const { height } = part.matches("html, body") ? { height: 0 } : part.getBoundingClientRect();
+          return [part.tagName, font, color, backgroundColor, display, margin, padding, borderWidth, height].join();
+        }),
+      );
+    const before = await looks();
+    await page.addScriptTag({ url: `${url()}capsule-explorer.js`, type: "module" });
+    await page.evaluate(() => customElements.whenDefined("capsule-explorer"));
+    assert.equal(await page.locator(".explorer, .masthead").count(), 0);
+    assert.equal(await page.evaluate(() => typeof window.capsuleExplorer), "undefined");
+    await page.evaluate((markup) => document.body.insertAdjacentHTML("beforeend", markup), element);
+    await page.waitForFunction(() => document.querySelector("capsule-explorer").dataset.status === "ready");
+    assert.deepEqual(await looks(), before, "the page keeps its looks");
+    assert.equal(await page.evaluate(() => document.body.className), "");
+    const read = await page.evaluate(() => document.querySelector("capsule-explorer").read());
+    for (const quantity of QUANTITIES) {
+      assert.equal(Math.fround(read[quantity]), Math.fround(native(0.05, 0.8, 6)[quantity]), quantity);
+    }
+    assert.equal(await page.isVisible("capsule-explorer .transport"), true);
+    const { display } = await page.$eval("capsule-explorer .masthead", (part) => ({ ...getComputedStyle(part) }));
+    assert.equal(display, "flex", "the element has its styles");
+    assert.deepEqual(errors, []);
+    await close();
   });
 
   test("is a page in a frame, with its controls or without", async () => {

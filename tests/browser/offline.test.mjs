@@ -134,3 +134,16 @@ test("opened as a file the page says how to serve it", async () => {
   assert.match(words, /has to be served[\s\S]*python3 -m http\.server[\s\S]*cargo xtask explore/);
   await context.close();
 });
+
+test("the icons that the manifest names are there, in the sizes that it says", () => {
+  const dist = resolve(EXPLORER, "dist");
+  const { icons } = JSON.parse(readFileSync(resolve(dist, "manifest.webmanifest"), "utf8"));
+  const pictures = icons.filter(({ type }) => type === "image/png");
+  for (const { src, sizes } of pictures) {
+    const file = readFileSync(resolve(dist, src));
+    assert.equal(file.toString("latin1", 1, 4), "PNG");
+    assert.equal(`${file.readUInt32BE(16)}x${file.readUInt32BE(20)}`, sizes);
+  }
+  const found = pictures.map(({ sizes, purpose }) => `${sizes} ${purpose}`);
+  assert.deepEqual(found, ["192x192 any", "512x512 any", "512x512 maskable"]);
+});

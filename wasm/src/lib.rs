@@ -6,10 +6,12 @@
 mod batch;
 mod evaluation;
 mod fields;
+mod flow;
 mod model;
 mod section;
 mod shared;
 mod surface;
 
 pub use evaluation::{Curves, Evaluation, Readings};
+pub use flow::undisturbed_velocity;
 pub use model::Model;

@@ -22,13 +22,15 @@ export class ParameterSliders implements ViewPart {
     this.#onChange = onChange;
   }
 
-  draw(_: readonly Trace[], { state, capsule }: Context): void {
+  draw(_: readonly Trace[], { state, capsule, words }: Context): void {
     if (capsule !== this.#capsule) {
       this.#capsule = capsule;
       this.#make(capsule);
     }
     this.#values = state.parameters;
     this.#inputs.forEach((inputs, i) => {
+      const [slider, number] = inputs;
+      if (slider && number) number.ariaLabel = words.sliders.value(slider.ariaLabel ?? "");
       for (const input of inputs) {
         const value = state.parameters[i] ?? 0;
         if (document.activeElement !== input || input.valueAsNumber !== value) input.value = short(value);
@@ -44,7 +46,7 @@ export class ParameterSliders implements ViewPart {
       const slider = html("input", { type: "range", min: String(min), max: String(max), ariaLabel: name });
       slider.step = String((max - min) / STEPS || 1);
       const id = this.#root.id(`parameter-${i}`);
-      const number = html("input", { type: "number", id, step: "any", ariaLabel: `${name}, value` });
+      const number = html("input", { type: "number", id, step: "any" });
       for (const input of [slider, number]) {
         input.addEventListener("input", () => {
           if (Number.isFinite(input.valueAsNumber)) this.#onChange(this.#values.with(i, input.valueAsNumber));
