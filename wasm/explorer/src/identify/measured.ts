@@ -203,7 +203,7 @@ function saidOf(state: State): Said | string {
   if (missing.length > 0) return `Still needed: ${missing.join(", ")}.`;
   return {
     half_width_um: state.halfWidth,
-    mean_velocity_mm_s: state.meanVelocity,
+    velocity_mm_s: state.meanVelocity,
     viscosity_pa_s: state.viscosity,
     observable: state.observable,
     unit: state.outlineUnit === "named" ? null : state.outlineUnit,
