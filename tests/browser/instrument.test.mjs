@@ -435,6 +435,49 @@ describe("the element", () => {
     assert.deepEqual([(await state(page)).ca, (await state(page)).t], [0.1, 3]);
   });
 
+  test("is all that its script brings to another page", async () => {
+    const { page: first, close } = await open(`#ca=0.1${FLAT}`);
+    const page = await first.context().newPage();
+    const errors = [];
+    page.on("pageerror", (error) => errors.push(String(error)));
+    // Words and looks of a page that has nothing to do with the explorer, in classes that the explorer has too.
+    const own =
+      '<h2 class="title">Own</h2><button class="play">Own</button><p class="map">Own</p><svg><text>x</text></svg>';
+    const element = '<capsule-explorer ca="0.05" al="0.8" t="6" views="midplane"></capsule-explorer>';
+    const body = `<!doctype html><html lang="en"><title>x</title><body>${own}</body></html>`;
+    await page.route("**/other.html", (route) => route.fulfill({ contentType: "text/html", body }));
+    await page.goto(`${url()}other.html`);
+    const looks = () =>
+      page.evaluate(() =>
+        [
+          document.documentElement,
+          ...document.querySelectorAll("body, body > :not(capsule-explorer, script), text"),
+        ].map((part) => {
+          const { font, color, backgroundColor, display, margin, padding, borderWidth } = getComputedStyle(part);
+          const { height } = part.matches("html, body") ? { height: 0 } : part.getBoundingClientRect();
+          return [part.tagName, font, color, backgroundColor, display, margin, padding, borderWidth, height].join();
+        }),
+      );
+    const before = await looks();
+    await page.addScriptTag({ url: `${url()}capsule-explorer.js`, type: "module" });
+    await page.evaluate(() => customElements.whenDefined("capsule-explorer"));
+    assert.equal(await page.locator(".explorer, .masthead").count(), 0);
+    assert.equal(await page.evaluate(() => typeof window.capsuleExplorer), "undefined");
+    await page.evaluate((markup) => document.body.insertAdjacentHTML("beforeend", markup), element);
+    await page.waitForFunction(() => document.querySelector("capsule-explorer").dataset.status === "ready");
+    assert.deepEqual(await looks(), before, "the page keeps its looks");
+    assert.equal(await page.evaluate(() => document.body.className), "");
+    const read = await page.evaluate(() => document.querySelector("capsule-explorer").read());
+    for (const quantity of QUANTITIES) {
+      assert.equal(Math.fround(read[quantity]), Math.fround(native(0.05, 0.8, 6)[quantity]), quantity);
+    }
+    assert.equal(await page.isVisible("capsule-explorer .transport"), true);
+    const { display } = await page.$eval("capsule-explorer .masthead", (part) => ({ ...getComputedStyle(part) }));
+    assert.equal(display, "flex", "the element has its styles");
+    assert.deepEqual(errors, []);
+    await close();
+  });
+
   test("is a page in a frame, with its controls or without", async () => {
     const { page, close } = await open(`?controls=none#ca=0.05&al=0.8&t=6${FLAT}`);
     assert.equal(await page.isVisible("#midplane"), true);

@@ -6,6 +6,7 @@ import { defineConfig, type Plugin } from "vite";
 /** The model that the page opens first; another one is built in with CAPSULE_MODEL=FILE. */
 const MODEL = resolve(import.meta.dirname, process.env.CAPSULE_MODEL ?? "../../models/capsule.crom");
 const SERVED_AS = "capsule.crom";
+const ELEMENT = "capsule-explorer";
 
 /** Puts the model beside the page: a file of the build, and a route of the development server. */
 function shippedModel(): Plugin {
@@ -86,6 +87,14 @@ export default defineConfig({
     chunkSizeWarningLimit: 800,
     // The licences of the bundled packages; `cargo xtask explore` adds those of the module's crates.
     license: { fileName: "THIRD-PARTY.txt" },
+    rolldownOptions: {
+      // The page, and the script of the element, which other pages load by its name.
+      input: {
+        page: resolve(import.meta.dirname, "index.html"),
+        [ELEMENT]: resolve(import.meta.dirname, "src/main.ts"),
+      },
+      output: { entryFileNames: ({ name }) => (name === ELEMENT ? "[name].js" : "assets/[name]-[hash].js") },
+    },
   },
   server: { port: 5173, strictPort: true },
 });

@@ -6,6 +6,7 @@
 mod batch;
 mod evaluation;
 mod fields;
+mod flow;
 mod model;
 mod nodes;
 mod section;
@@ -13,4 +14,5 @@ mod shared;
 mod surface;
 
 pub use evaluation::{Curves, Evaluation, Readings};
+pub use flow::undisturbed_velocity;
 pub use model::Model;

@@ -15,6 +15,7 @@ mod stencil;
 
 pub use deformation::Deformation;
 pub use membrane::{Membrane, Totals};
+pub use poiseuille::undisturbed_velocity;
 pub use stencil::Stencil;
 
 use crate::Real;

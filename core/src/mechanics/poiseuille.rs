@@ -22,9 +22,17 @@ const COEFFICIENTS: [f64; 11] = [
 
 /// Axial velocity of the undisturbed flow at (y, z), in V: `G/4 (2 - y^2 - z^2) + sum c_k Re (y + iz)^4k`.
 ///
-/// The sum is the harmonic function that makes the velocity vanish on the walls; powers 4k have the symmetry of the
-/// square. Its error is below 1e-8 where y^2 + z^2 < 1, and 1e-5 at y = z = 0.9.
-pub(super) fn undisturbed_velocity<T: Real>(y: T, z: T) -> T {
+/// The sum is the harmonic function that makes the velocity vanish on the walls, y = +-1 and z = +-1; powers 4k have
+/// the symmetry of the square. Its error is below 1e-8 where y^2 + z^2 < 1, 1e-5 at y = z = 0.9, and grows to 3e-3 in
+/// the corners.
+///
+/// ```
+/// use capsule_core::mechanics::undisturbed_velocity;
+///
+/// let on_the_axis: f64 = undisturbed_velocity(0.0, 0.0);
+/// assert!((on_the_axis - 2.0963).abs() < 1e-4);
+/// ```
+pub fn undisturbed_velocity<T: Real>(y: T, z: T) -> T {
     let two = T::from_f32(2.0);
     let (square, product) = (y * y - z * z, two * y * z);
     let (w, w_i) = (square * square - product * product, two * square * product);

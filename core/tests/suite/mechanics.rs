@@ -1,7 +1,7 @@
 //! The mechanics of the membrane against exact deformations of the sphere.
 
 use crate::common::{Family, Sphere};
-use capsule_core::mechanics::{Deformation, Membrane, Stencil};
+use capsule_core::mechanics::{Deformation, Membrane, Stencil, undisturbed_velocity};
 use capsule_core::{EvaluateError, Evaluator, Method, Model, Query, Real, Workspace};
 use std::cell::{Cell, RefCell};
 
@@ -261,6 +261,20 @@ fn areas(sphere: &Sphere) -> Vec<f64> {
         }
     }
     areas
+}
+
+#[test]
+fn the_undisturbed_flow_is_that_of_the_series_with_mean_velocity_1() {
+    // By the midpoint rule over a quarter of the section.
+    let count = 40;
+    let at = |i: usize| (i as f64 + 0.5) / count as f64;
+    let mut mean = 0.0;
+    for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+        let found: f64 = undisturbed_velocity(at(i), at(j));
+        assert!((found - undisturbed([0.0, at(i), at(j)])).abs() < 2e-3, "{i} {j}");
+        mean += found / (count * count) as f64;
+    }
+    assert!((mean - 1.0).abs() < 1e-3, "{mean}");
 }
 
 /// Undisturbed flow by the double sine series.

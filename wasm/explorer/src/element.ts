@@ -1,5 +1,6 @@
 import { Explorer } from "./app/explorer";
 import { ENTRIES, type State } from "./app/schema";
+import { keptLanguage, languageOf } from "./messages/languages";
 
 /** How much of the page is around the figures: all of it, the time bar alone, or nothing. */
 export const CONTROLS = ["full", "time", "none"] as const;
@@ -34,12 +35,13 @@ const FIELDS = ENTRIES.filter(([, { key }]) => key !== undefined);
 /**
  * `<capsule-explorer ca="0.05" al="0.8" t="3" views="midplane.solid" controls="time">`: an explorer as an element.
  *
- * The attributes are the fields of a link, with `controls` ("full", "time", "none") and `model`, the address of a model
- * file, which counts when the element is inserted. An attribute that is missing or makes no sense means the default. A
- * `statechange` event follows each change of the state, by an attribute, a script or a person.
+ * The attributes are the fields of a link, with `controls` ("full", "time", "none"), `lang` ("en", "fr") and `model`,
+ * the address of a model file, which counts when the element is inserted. An attribute that is missing or makes no
+ * sense means the default. A `statechange` event follows each change of the state, by an attribute, a script or a
+ * person.
  */
 export class CapsuleExplorer extends HTMLElement implements Api {
-  static readonly observedAttributes = [...FIELDS.map(([, { key }]) => key ?? ""), "controls"];
+  static readonly observedAttributes = [...FIELDS.map(([, { key }]) => key ?? ""), "controls", "lang"];
   static #count = 0;
   #explorer: Explorer | undefined;
 
@@ -49,12 +51,16 @@ export class CapsuleExplorer extends HTMLElement implements Api {
     const state = Object.fromEntries(FIELDS.map(([field, { key, standard }]) => [field, this.#value(key) ?? standard]));
     const model = this.getAttribute("model");
     const prefix = `capsule-${++CapsuleExplorer.#count}-`;
-    this.#explorer = new Explorer(this, { prefix, state, ...(model === null ? {} : { model }) });
+    // Its own language, the one that its reader chose before, that of the page around it, that of the browser.
+    const around = this.parentElement?.closest<HTMLElement>("[lang]")?.lang;
+    const language = languageOf(this.getAttribute("lang"), keptLanguage(), around, ...navigator.languages);
+    this.#explorer = new Explorer(this, { prefix, state, language, ...(model === null ? {} : { model }) });
     this.#explorer.store.subscribe(() => this.dispatchEvent(new Event("statechange", { bubbles: true })));
   }
 
   attributeChangedCallback(name: string): void {
     if (name === "controls") setControls(this, this.getAttribute(name));
+    if (name === "lang" && this.lang !== this.#explorer?.root.language) this.#explorer?.speak(languageOf(this.lang));
     const field = FIELDS.find(([, { key }]) => key === name);
     if (field !== undefined) this.#explorer?.store.set({ [field[0]]: this.#value(name) ?? field[1].standard });
   }
@@ -83,4 +89,9 @@ export class CapsuleExplorer extends HTMLElement implements Api {
     const value = text === null ? undefined : field?.parse(text);
     return value !== undefined && field?.check(value) ? value : undefined;
   }
+}
+
+/** Makes the element known to the document; twice does no harm. */
+export function defineElement(): void {
+  if (customElements.get("capsule-explorer") === undefined) customElements.define("capsule-explorer", CapsuleExplorer);
 }

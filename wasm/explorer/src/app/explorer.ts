@@ -1,3 +1,4 @@
+import { type Language, wordsOf } from "../messages/languages";
 import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
 import { fetchModel, loadModule, ModelError, openFile, read } from "../model/load";
@@ -30,6 +31,8 @@ export interface Options {
   readonly model?: string;
   /** Whether the document's address follows this explorer and the explorer follows it. */
   readonly ownsAddress?: boolean;
+  /** By default English. */
+  readonly language?: Language;
   /** The state to begin with, where it differs from the default. */
   readonly state?: Partial<State>;
 }
@@ -42,13 +45,16 @@ export class Explorer {
   readonly #failure: HTMLElement;
   readonly #banner: HTMLElement;
   readonly #address: Address | undefined;
+  /** The language on its way: nothing is shown before it is there. */
+  #speaking: Promise<void>;
+  #failed: unknown;
   /** The state and the model that the link asks for, until that model is open. */
   #link: Link;
   /** Counts what was asked to be opened: what comes late does not replace what was asked for later. */
   #asked = 0;
 
   constructor(element: HTMLElement, options: Options = {}) {
-    const { prefix = "", model, ownsAddress = false, state = {} } = options;
+    const { prefix = "", model, ownsAddress = false, language = "en", state = {} } = options;
     this.root = new Root(element, prefix, markup);
     this.#link = ownsAddress ? fromFragment(window.location.hash) : { state, digest: undefined, file: undefined };
     this.store = new Store({ ...DEFAULT_STATE, ...this.#link.state });
@@ -64,7 +70,11 @@ export class Explorer {
         (fragment) => this.#follow(fragment),
       );
     }
-    tieHelp(this.root, () => this.workbench.recolour());
+    tieHelp(
+      this.root,
+      () => this.workbench.recolour(),
+      (chosen) => this.speak(chosen),
+    );
     new Tour(this.root);
     new TakeAway(this.root, {
       shown: () => this.workbench.shown,
@@ -77,9 +87,37 @@ export class Explorer {
     this.#takeFiles();
     this.#takePaste();
     this.#tieCopy();
+    this.root.speak(() => this.#say());
+    this.#speaking = this.speak(language);
     const address = new URL(model ?? SHIPPED, window.location.href);
     this.#show(fetchModel(address, model === undefined));
     loadModule();
+  }
+
+  /** Goes over to a language, as soon as its words are loaded; where they cannot be, it stays with the one it has. */
+  speak(language: Language): Promise<void> {
+    this.#speaking = this.#load(language);
+    return this.#speaking;
+  }
+
+  async #load(language: Language): Promise<void> {
+    this.root.element.toggleAttribute("data-silent", this.root.element.lang === "");
+    try {
+      this.root.translate(language, await wordsOf(language));
+    } catch {
+      if (this.root.element.lang === "") this.root.translate("en", this.root.words);
+    }
+    this.root.element.removeAttribute("data-silent");
+  }
+
+  /** Says anew what was said of the open model and of the link. */
+  #say(): void {
+    const { capsule } = this.workbench;
+    if (capsule !== undefined) {
+      describe(this.root.part("model", HTMLElement), capsule, this.root.words);
+      this.#warn(capsule);
+    }
+    if (this.root.element.dataset.status === "failed") this.#fail(this.#failed);
   }
 
   /** The link's fragment for what is on screen. */
@@ -115,10 +153,7 @@ export class Explorer {
   /** Takes the outline of a measured capsule. */
   async #measure(file: File): Promise<void> {
     if (this.workbench.capsule?.has("channel") === false) {
-      throw new ModelError(
-        `${file.name} is no model, and this model takes no outlines: it is not one of capsules in the channel.`,
-        "Open a .crom file, or a model of capsules in the channel first.",
-      );
+      throw new ModelError((words) => [words.isOutline(file.name), words.openChannel]);
     }
     const bytes = await read(file, file.name);
     this.workbench.measured.take({ name: file.name, bytes });
@@ -133,7 +168,7 @@ export class Explorer {
   async #show(opening: Promise<Capsule>): Promise<void> {
     const asked = ++this.#asked;
     try {
-      const capsule = await opening;
+      const [capsule] = await Promise.all([opening, this.#speaking]);
       if (asked !== this.#asked) {
         capsule.free();
         return;
@@ -157,16 +192,15 @@ export class Explorer {
         : { ...defaults, ...(isFirst ? this.#link.state : this.#kept()) };
     this.store.set(fitting({ ...this.store.state, ...wanted }, capsule));
     this.workbench.open(capsule);
-    describe(this.root.part("model", HTMLElement), capsule);
-    this.#warn(capsule);
+    this.#say();
     this.#resume();
     this.#address?.enter();
   }
 
   /** Opening a model by hand keeps the instant and the views. */
   #kept(): Partial<State> {
-    const { t, frame, speed, section, initial, trace, views, ca, confinement, parameters } = this.store.state;
-    return { t, frame, speed, section, initial, trace, views, ca, confinement, parameters };
+    const { t, frame, speed, section, initial, profile, trace, views, ca, confinement, parameters } = this.store.state;
+    return { t, frame, speed, section, initial, profile, trace, views, ca, confinement, parameters };
   }
 
   /** Takes another fragment: a step back or forward, or a link that was pasted into the address. */
@@ -184,15 +218,15 @@ export class Explorer {
     const isOther = digest !== undefined && digest !== model.digest;
     this.#banner.hidden = !isOther;
     if (!isOther) return;
-    const name = file === undefined ? `the model ${digest}` : `${file} (model ${digest})`;
-    const words = `This link was made with ${name}. This is model ${model.digest}: its figures may differ.`;
-    const open = button("Open that file…", () => this.root.part("model-file", HTMLInputElement).click());
-    const dismiss = button("Go on with this model", () => {
+    const { link } = this.root.words;
+    const name = file === undefined ? link.ofModel(digest) : link.ofFile(file, digest);
+    const open = button(link.openFile, () => this.root.part("model-file", HTMLInputElement).click());
+    const dismiss = button(link.goOn, () => {
       this.#link = { ...this.#link, digest: undefined };
       this.#banner.hidden = true;
       this.#address?.enter();
     });
-    this.#banner.replaceChildren(html("p", { textContent: words }), open, dismiss);
+    this.#banner.replaceChildren(html("p", { textContent: link.isOther(name, model.digest) }), open, dismiss);
   }
 
   #resume(): void {
@@ -201,14 +235,13 @@ export class Explorer {
   }
 
   #fail(error: unknown): void {
-    const known = error instanceof ModelError;
-    const title = known ? error.message : `The page could not start: ${text(error)}.`;
-    const remedy = known
-      ? error.remedy
-      : "Load the page again; if that does not help, build it with `cargo xtask explore`.";
+    this.#failed = error;
+    const { refusals } = this.root.words;
+    const [title, remedy] =
+      error instanceof ModelError ? error.say(refusals) : [refusals.noStart(text(error)), refusals.startAgain];
     this.#failure.replaceChildren(html("h2", { textContent: title }), html("p", {}, ...withCode(remedy)));
     if (this.workbench.capsule !== undefined) {
-      this.#failure.append(button("Back to the model that is open", () => this.#resume()));
+      this.#failure.append(button(refusals.goBack, () => this.#resume()));
     }
     this.#failure.hidden = false;
     this.root.element.dataset.status = "failed";
@@ -264,12 +297,12 @@ export class Explorer {
       this.#address?.enter();
       try {
         await navigator.clipboard.writeText(link.href);
-        copy.textContent = "Copied";
+        copy.textContent = this.root.words.link.copied;
       } catch {
-        copy.textContent = "Copy it from the address bar";
+        copy.textContent = this.root.words.link.byHand;
       }
       window.setTimeout(() => {
-        copy.textContent = "Copy link";
+        copy.textContent = this.root.words.page.copyLink;
       }, 2000);
     });
   }

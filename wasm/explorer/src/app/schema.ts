@@ -234,6 +234,8 @@ export const FIELDS = {
   section: number("section", 0, (value) => Math.abs(value) <= 10),
   /** Whether the shape at t = 0 is drawn too. */
   initial: flag("initial", true),
+  /** Whether the profile of the undisturbed flow is drawn too. */
+  profile: flag("profile", false, { model: "channel" }),
   /** The read-out drawn along the time axis. */
   trace: oneOf("trace", QUANTITIES, "axial_length"),
   views,

@@ -35,10 +35,7 @@ export async function fromSession(file: File): Promise<{ link: string; outline: 
   } catch {
     // Said below.
   }
-  throw new ModelError(
-    `${file.name} is not a session that can be read.`,
-    "Open a file that Export, Session saved on this page, or a .crom model.",
-  );
+  throw new ModelError((words) => [words.noSession(file.name), words.openSession]);
 }
 
 function isSession(value: unknown): value is Session {

@@ -1,6 +1,6 @@
 import type { Measured } from "../identify/measured";
 import type { Capsule } from "../model/capsule";
-import { type ErrorMeaning, errorMeaning } from "../model/errors";
+import { errorMeaning } from "../model/errors";
 import { physicalUnits } from "../model/units";
 import { makeParts, type Parts } from "../views/registry";
 import type { Context, Trace } from "../views/view";
@@ -18,7 +18,6 @@ export class Workbench {
   readonly #figures: ReadonlyMap<View, HTMLElement>;
   readonly #visible: Visibility;
   #capsule: Capsule | undefined;
-  #errors: ErrorMeaning = { against: "", sentence: "" };
   #frame = 0;
   #lastFrame = 0;
 
@@ -31,13 +30,13 @@ export class Workbench {
     this.#figures = new Map(VIEWS.map(figure).filter((pair): pair is [View, HTMLElement] => pair[1] !== undefined));
     this.#visible = new Visibility(this.#figures.values(), () => this.#request());
     store.subscribe(() => this.#request());
+    root.speak(() => this.#request());
   }
 
   /** Puts a model on screen, in place of the one before. The state must be one of this model. */
   open(capsule: Capsule): void {
     const previous = this.#capsule;
     this.#capsule = capsule;
-    this.#errors = errorMeaning(capsule.model);
     // No part may hold an answer of the model that is freed: one that is out of sight would ask it when it is resized.
     const context = this.#context(capsule, this.#store.state);
     this.#parts.courses.begin(capsule);
@@ -147,13 +146,15 @@ export class Workbench {
       state.views.has(view) && this.#parts.views[view].needs.every((need) => capsule.has(need));
     const isPhysical = capsule.has("channel") && state.dimensions.length > 0 && state.ca > 0;
     const units = isPhysical ? physicalUnits(state.dimensions, state.ca) : capsule.units;
-    return { state, capsule, units, errors: this.#errors, shows };
+    const { words } = this.#root;
+    return { state, capsule, units, errors: errorMeaning(words, capsule.model), words, shows };
   }
 
   #mark(kind: "given" | "extrapolated" | "refused"): void {
     this.#root.element.dataset.answer = kind;
-    const suffix = { given: "", extrapolated: ", extrapolated", refused: ": there is no shape to show" }[kind];
-    this.#root.part("figures", HTMLElement).ariaLabel = `Views of the capsule${suffix}`;
+    const { figures, figuresExtrapolated, figuresRefused } = this.#root.words.views;
+    const names = { given: figures, extrapolated: figuresExtrapolated, refused: figuresRefused };
+    this.#root.part("figures", HTMLElement).ariaLabel = names[kind];
   }
 }
 

@@ -1,6 +1,8 @@
 import { QUANTITIES, type Query } from "../app/schema";
+import { en } from "../messages/en";
 import type { Answer } from "../model/answer";
 import type { Capsule } from "../model/capsule";
+import { errorMeaning } from "../model/errors";
 import { ERRORS, unitOf } from "../model/quantities";
 import type { Units } from "../model/units";
 import type { Context, Trace } from "../views/view";
@@ -31,7 +33,7 @@ function course(capsule: Capsule, query: Query, units: Units): Numbers[] {
 }
 
 /** Everything that is on screen in numbers, as JSON: the instant, and the course of each trace. */
-export function toJson(traces: readonly Trace[], { capsule, errors, units, state }: Context, link: string): string {
+export function toJson(traces: readonly Trace[], { capsule, units, state }: Context, link: string): string {
   const { model } = capsule;
   const content = {
     model_digest: model.digest,
@@ -39,7 +41,8 @@ export function toJson(traces: readonly Trace[], { capsule, errors, units, state
     database_digest: model.databaseDigest,
     membrane_law: model.membraneLaw,
     bending_stiffness: model.bendingStiffness ?? null,
-    errors_against: errors.against.replace("against ", "").replaceAll("\u00a0", " "),
+    // In English whatever the page speaks, as all of the file.
+    errors_against: errorMeaning(en, model).against.replace("against ", "").replaceAll("\u00a0", " "),
     units: { length: units.length.plain, velocity: units.velocity.plain, time: units.time.plain, errors: "a" },
     link,
     traces: traces.map(({ name, query, answer }) => ({

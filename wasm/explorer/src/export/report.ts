@@ -1,6 +1,6 @@
 import { html } from "../app/dom";
 import { QUANTITIES } from "../app/schema";
-import { measure, PRESENTATION } from "../model/quantities";
+import { measure, nameOf } from "../model/quantities";
 import type { Context, Trace } from "../views/view";
 
 const STYLE = `
@@ -23,9 +23,11 @@ export function toReport(
   context: Context,
   figures: readonly ReportFigure[],
   provenance: readonly string[],
+  language: string,
 ): string {
+  const { words } = context;
   const page = document.implementation.createHTMLDocument(`CapsuleExplorer, ${context.capsule.model.title}`);
-  page.documentElement.lang = "en";
+  page.documentElement.lang = language;
   const style = html("style", { textContent: STYLE });
   const charset = html("meta");
   charset.setAttribute("charset", "utf-8");
@@ -37,23 +39,27 @@ export function toReport(
   page.body.append(
     html("h1", { textContent: context.capsule.model.title }),
     html("ul", {}, ...lines),
-    html("h2", { textContent: "Read-outs" }),
+    html("h2", { textContent: words.page.readouts }),
     readouts(traces, context),
-    html("h2", { textContent: "Figures" }),
+    html("h2", { textContent: words.export.figures }),
     ...figures.map(({ name, drawing }) => html("figure", {}, drawing, html("figcaption", { textContent: name }))),
   );
   return `<!doctype html>\n${page.documentElement.outerHTML}\n`;
 }
 
 /** The read-outs of all traces at the instant, a column each. */
-function readouts(traces: readonly Trace[], { units }: Context): HTMLTableElement {
-  const head = html("tr", {}, html("th"), ...traces.map(({ name }) => html("th", { scope: "col", textContent: name })));
+function readouts(traces: readonly Trace[], { units, words }: Context): HTMLTableElement {
+  const heads = traces.map(({ name }) => {
+    return html("th", { scope: "col", textContent: name === "live" ? words.compare.live : name });
+  });
+  const head = html("tr", {}, html("th"), ...heads);
   const rows = QUANTITIES.map((quantity) => {
     const cells = traces.map(({ answer }) => {
-      const textContent = answer === undefined ? "no answer" : measure(quantity, answer.read(quantity), units);
+      const textContent =
+        answer === undefined ? words.export.noAnswer : measure(words, quantity, answer.read(quantity), units);
       return html("td", { textContent });
     });
-    return html("tr", {}, html("th", { scope: "row", textContent: PRESENTATION[quantity].name }), ...cells);
+    return html("tr", {}, html("th", { scope: "row", textContent: nameOf(words, quantity, false) }), ...cells);
   });
   return html("table", {}, html("thead", {}, head), html("tbody", {}, ...rows));
 }

@@ -1,5 +1,8 @@
 import type { Asked, Found, Question, Reply, Said } from "./protocol";
 
+/** The worker's program could not be loaded, or it broke, with this message where there is one. */
+export class ProgramError extends Error {}
+
 /** The worker that identifies, seen from the page. It is started by the first question. */
 export class Client {
   #worker: Worker | undefined;
@@ -33,7 +36,11 @@ export class Client {
     const worker = this.#start();
     const asked: Asked = { id: ++this.#count, question };
     return new Promise((resolve, reject) => {
-      const settle = (reply: Reply) => ("error" in reply ? reject(new Error(reply.error)) : resolve(reply.result));
+      const settle = (reply: Reply) => {
+        if ("failed" in reply) reject(new ProgramError(reply.failed));
+        else if ("error" in reply) reject(new Error(reply.error));
+        else resolve(reply.result);
+      };
       this.#waiting.set(asked.id, settle);
       worker.postMessage(asked);
     });
@@ -48,8 +55,7 @@ export class Client {
     });
     // The program of the worker could not be loaded, or it broke: the next question starts another one.
     worker.addEventListener("error", (event) => {
-      const words = event.message || "it could not be loaded; see whether the server still runs";
-      for (const [id, settle] of this.#waiting) settle({ id, error: `The program that identifies failed: ${words}` });
+      for (const [id, settle] of this.#waiting) settle({ id, failed: event.message });
       this.#waiting.clear();
       worker.terminate();
       this.#worker = undefined;

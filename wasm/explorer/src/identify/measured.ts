@@ -1,11 +1,12 @@
 import { toBase64 } from "../app/base64";
 import type { State } from "../app/schema";
+import type { Messages } from "../messages/en";
 import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
 import type { Point } from "../views/map-geometry";
 import type { Contour } from "../views/map-layer";
 import type { Context, Trace, ViewPart } from "../views/view";
-import { Client } from "./client";
+import { Client, ProgramError } from "./client";
 import { MisfitGrid, root } from "./misfit-grid";
 import type { Found, Said } from "./protocol";
 
@@ -18,6 +19,9 @@ const FAR = [56, 36] as const;
 const SHOWN_ROWS = 6;
 /** How many misfits of single places are kept. */
 const KEPT = 500;
+
+/** Why there is no answer: in the page's words, or in those of the core, which are English. */
+export type Problem = ((words: Messages["outline"]) => string) | string;
 
 /** A file with an outline: a text or a picture. */
 export interface OutlineFile {
@@ -33,7 +37,7 @@ export class Measured implements ViewPart {
   #file: OutlineFile | undefined;
   #address: string | undefined;
   #found: Found | undefined;
-  #problem = "";
+  #problem: Problem | undefined;
   #regions: readonly Contour[] = [];
   #layer: readonly Contour[] = [];
   #share = 0;
@@ -72,14 +76,14 @@ export class Measured implements ViewPart {
     return this.#found;
   }
 
-  /** Why there is no answer; empty where there is one, or none is asked for. */
-  get problem(): string {
+  /** Why there is no answer; undefined where there is one, or none is asked for. */
+  get problem(): Problem | undefined {
     return this.#problem;
   }
 
   /** Whether an answer is on its way. */
   get isBusy(): boolean {
-    return this.#file !== undefined && this.#found === undefined && this.#problem === "";
+    return this.#file !== undefined && this.#found === undefined && this.#problem === undefined;
   }
 
   /** The regions that hold the true capsule with 68 and 95 %, as far as they are known. */
@@ -109,13 +113,13 @@ export class Measured implements ViewPart {
 
   draw(_: readonly Trace[], { capsule, state }: Context): void {
     const file = capsule.has("channel") ? this.#file : undefined;
-    const said = saidOf(state);
-    const key = file === undefined ? "" : JSON.stringify([capsule.model.digest, said]);
+    const [missing, said] = [missingIn(state), saidOf(state)];
+    const key = file === undefined ? "" : JSON.stringify([capsule.model.digest, missing, said]);
     if (key === this.#key) return;
     this.#key = key;
     this.#clear();
     if (file === undefined) return;
-    if (typeof said === "string") this.#problem = said;
+    if (missing.length > 0) this.#problem = (words) => words.needed(missing.map((name) => words[name]).join(", "));
     else this.#resting = window.setTimeout(() => this.#identify(capsule, file, said), REST_MS);
   }
 
@@ -123,7 +127,7 @@ export class Measured implements ViewPart {
     this.#asked += 1;
     window.clearTimeout(this.#resting);
     this.#found = undefined;
-    this.#problem = "";
+    this.#problem = undefined;
     this.#regions = [];
     this.#layer = [];
     this.#share = 0;
@@ -159,7 +163,7 @@ export class Measured implements ViewPart {
       });
     } catch (error) {
       if (isLate()) return;
-      this.#problem = text(error);
+      this.#problem = problemOf(error);
       this.#onChange();
     }
   }
@@ -192,15 +196,25 @@ function addressOf(bytes: Uint8Array): string | undefined {
   return type && `data:image/${type};base64,${toBase64(bytes)}`;
 }
 
-/** Inputs of the outline from the state; in words, those that are missing. */
-function saidOf(state: State): Said | string {
-  const needed = [
-    ["half the channel’s side", state.halfWidth],
-    ["the mean velocity or the flow rate", state.meanVelocity],
-    ["the viscosity", state.viscosity],
-  ] as const;
-  const missing = needed.filter(([, value]) => value === 0).map(([name]) => name);
-  if (missing.length > 0) return `Still needed: ${missing.join(", ")}.`;
+function problemOf(error: unknown): Problem {
+  if (!(error instanceof ProgramError)) return text(error);
+  const { message } = error;
+  return (words) => words.programFailed(message === "" ? words.notLoaded : message);
+}
+
+const NEEDED = [
+  ["neededHalfWidth", "halfWidth"],
+  ["neededVelocity", "meanVelocity"],
+  ["neededViscosity", "viscosity"],
+] as const;
+
+/** Inputs that are missing, by the names of their words. */
+function missingIn(state: State) {
+  return NEEDED.filter(([, key]) => state[key] === 0).map(([name]) => name);
+}
+
+/** Inputs of the outline from the state. */
+function saidOf(state: State): Said {
   return {
     half_width_um: state.halfWidth,
     velocity_mm_s: state.meanVelocity,

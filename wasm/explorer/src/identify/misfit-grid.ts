@@ -1,10 +1,8 @@
 import { contours } from "d3-contour";
+import type { Messages } from "../messages/en";
 import { AXES, type Span } from "../views/map-geometry";
 import type { Contour } from "../views/map-layer";
 import { label } from "../views/svg";
-
-/** How a misfit is written: the root of the rise of the sum of squares. */
-export const MISFIT_UNIT = "standard deviations";
 
 /** Rises of the sum of squares over a part of the plane of Ca and a/l, row by row as they come. */
 export class MisfitGrid {
@@ -78,9 +76,9 @@ export function root(rise: number): number {
   return Math.sqrt(Math.max(rise, 0));
 }
 
-/** A misfit in words. */
-export function writtenMisfit(misfit: number | undefined): string {
-  if (misfit === undefined) return "misfit …";
-  if (Number.isNaN(misfit)) return "outside the domain, no misfit";
-  return `misfit ${misfit < 100 ? misfit.toFixed(1) : Math.round(misfit)} ${MISFIT_UNIT}`;
+/** A misfit in words, in standard deviations: the root of the rise of the sum of squares. */
+export function writtenMisfit({ outline }: Messages, misfit: number | undefined): string {
+  if (misfit === undefined) return outline.misfitPending;
+  if (Number.isNaN(misfit)) return outline.misfitOutside;
+  return outline.misfit(misfit < 100 ? misfit.toFixed(1) : String(Math.round(misfit)));
 }

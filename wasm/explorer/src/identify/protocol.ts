@@ -77,7 +77,8 @@ export interface Asked {
   readonly question: Question;
 }
 
-/** The result of the question of a number, or why there is none. */
+/** The result of the question of a number, or why there is none: the core's words, or those of a worker that broke. */
 export type Reply =
   | { readonly id: number; readonly result: Found | Float64Array | undefined }
-  | { readonly id: number; readonly error: string };
+  | { readonly id: number; readonly error: string }
+  | { readonly id: number; readonly failed: string };

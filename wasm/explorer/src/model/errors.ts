@@ -1,3 +1,4 @@
+import type { Messages } from "../messages/en";
 import type { Model } from "../wasm/capsule_wasm";
 
 /** The kind of error that a model states. */
@@ -9,17 +10,15 @@ export interface ErrorMeaning {
 }
 
 /** Says it of a model: of a capsule in the channel, or of other people's data. */
-export function errorMeaning(model: Pick<Model, "isChannel" | "membraneLaw" | "bendingStiffness">): ErrorMeaning {
-  const { isChannel, membraneLaw, bendingStiffness } = model;
+export function errorMeaning(
+  { errors, laws }: Messages,
+  { isChannel, membraneLaw, bendingStiffness }: Pick<Model, "isChannel" | "membraneLaw" | "bendingStiffness">,
+): ErrorMeaning {
   // With spaces that no line breaks at.
   const bending = bendingStiffness === undefined ? "" : `, B\u00a0=\u00a0${short(bendingStiffness)}`;
-  const against = isChannel
-    ? `against the full-order model (${membraneLaw}${bending})`
-    : "against the data that the model was built from";
-  const distance = isChannel
-    ? "modified Hausdorff distance, drift along the channel included, in per cent of a"
-    : "mean distance of the nodes, in per cent of a, the radius of a sphere of the capsule’s volume";
-  return { against, sentence: `Errors are taken ${against}: ${distance}.` };
+  const law = laws[membraneLaw] ?? membraneLaw;
+  const against = isChannel ? errors.againstModel(law, bending) : errors.againstData;
+  return { against, sentence: errors.sentence(against, isChannel ? errors.ofCapsule : errors.ofNodes) };
 }
 
 function short(stiffness: number): string {

@@ -1,12 +1,12 @@
 import type { Colour, Frame } from "../app/schema";
+import type { Messages } from "../messages/en";
 import type { Unit, Units } from "./units";
 
 /** A scalar on the membrane, by its name in the core. */
 export type FieldName = Exclude<Colour, "none">;
 
-/** How a field is named and coloured. */
+/** How a field is measured and coloured. */
 interface Presentation {
-  readonly name: string;
   readonly unit: (units: Units) => Unit;
   /** The value on whose two sides the colours differ; undefined for a magnitude. */
   readonly centre?: number;
@@ -18,21 +18,21 @@ const ratio = (): Unit => ({ name: "", plain: "", factor: 1 });
 const tension = ({ tension }: Units) => tension;
 
 export const FIELD_PRESENTATION: Record<FieldName, Presentation> = {
-  displacement: { name: "Displacement", unit: ({ length }) => length, hasFrame: true },
-  velocity: { name: "Velocity", unit: ({ velocity }) => velocity, hasFrame: true },
-  stretch_1: { name: "Stretch λ₁", unit: ratio, centre: 1 },
-  stretch_2: { name: "Stretch λ₂", unit: ratio, centre: 1 },
-  tension_1: { name: "Tension T₁", unit: tension, centre: 0 },
-  tension_2: { name: "Tension T₂", unit: tension, centre: 0 },
-  energy_density: { name: "Energy density", unit: tension },
-  load: { name: "Load", unit: ({ load }) => load },
+  displacement: { unit: ({ length }) => length, hasFrame: true },
+  velocity: { unit: ({ velocity }) => velocity, hasFrame: true },
+  stretch_1: { unit: ratio, centre: 1 },
+  stretch_2: { unit: ratio, centre: 1 },
+  tension_1: { unit: tension, centre: 0 },
+  tension_2: { unit: tension, centre: 0 },
+  energy_density: { unit: tension },
+  load: { unit: ({ load }) => load },
 };
 
 /** The name of a field, with the frame that a motion is seen in. */
-export function fieldName(field: FieldName, frame: Frame): string {
-  const { name, hasFrame } = FIELD_PRESENTATION[field];
-  const seen = frame === "laboratory" ? "in the laboratory frame" : "relative to the centroid";
-  return hasFrame ? `${name} ${seen}` : name;
+export function fieldName({ fields }: Messages, field: FieldName, frame: Frame): string {
+  const name = fields[field];
+  if (FIELD_PRESENTATION[field].hasFrame === undefined) return name;
+  return frame === "laboratory" ? fields.inLaboratory(name) : fields.toCentroid(name);
 }
 
 /** Whether a field needs the stress-free state, which is known of a capsule in the channel alone. */

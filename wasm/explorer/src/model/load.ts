@@ -1,31 +1,30 @@
+import { en, type Messages } from "../messages/en";
 import initialise from "../wasm/capsule_wasm";
 import wasmAddress from "../wasm/capsule_wasm_bg.wasm?url";
 import { text } from "./answer";
 import { Capsule } from "./capsule";
 
-/** Why there is no model to show, and what would help. */
+/** Why there is no model to show, and what would help: in the language in which it is asked for. */
 export class ModelError extends Error {
-  readonly remedy: string;
+  readonly say: (words: Refusals) => readonly [message: string, remedy: string];
 
-  constructor(message: string, remedy: string) {
-    super(message);
-    this.remedy = remedy;
+  constructor(say: (words: Refusals) => readonly [message: string, remedy: string]) {
+    super(say(en.refusals)[0]);
+    this.say = say;
   }
 }
+
+type Refusals = Messages["refusals"];
 
 /** Bytes of the header: magic, version, payload length, CRC-32. */
 const HEADER = 16;
 const MAGIC = [..."CROM"].map((letter) => letter.charCodeAt(0));
-const WHICH = "Open a .crom file that `capsule-rom offline build` wrote, or copy this one again.";
 
 /** Starts to load the WebAssembly module; it is loaded once, whoever asks. */
 export function loadModule(): Promise<unknown> {
   module ??= initialise({ module_or_path: wasmAddress }).catch((error) => {
     module = undefined;
-    throw new ModelError(
-      `The page's program could not be loaded: ${text(error)}.`,
-      "See whether the server still runs, then load the page again.",
-    );
+    throw new ModelError((words) => [words.noProgram(text(error)), words.loadAgain]);
   });
   return module;
 }
@@ -44,7 +43,7 @@ export async function read(part: Blob, name: string): Promise<Uint8Array> {
   try {
     return new Uint8Array(await part.arrayBuffer());
   } catch (error) {
-    throw new ModelError(`${name} could not be read: ${text(error)}.`, "Open a file, not a folder, that you may read.");
+    throw new ModelError((words) => [words.unread(name, text(error)), words.openReadable]);
   }
 }
 
@@ -59,46 +58,37 @@ export async function fetchModel(address: URL, isShipped: boolean): Promise<Caps
 async function download(address: URL): Promise<Uint8Array> {
   const name = nameOf(address);
   if (address.origin !== window.location.origin) {
-    throw new ModelError(
-      `The model ${address.href} lies on another server.`,
-      "Put it beside this page, or download it and open it from your disk.",
-    );
+    throw new ModelError((words) => [words.elsewhere(address.href), words.putBeside]);
   }
   let response: Response;
   try {
     response = await fetch(address);
     if (response.ok) return new Uint8Array(await response.arrayBuffer());
   } catch (error) {
-    throw new ModelError(
-      `The model ${name} could not be fetched: ${text(error)}.`,
-      "See whether the server still runs, then load the page again.",
-    );
+    throw new ModelError((words) => [words.unfetched(name, text(error)), words.loadAgain]);
   }
-  throw new ModelError(
-    `The model ${name} is missing: the server answered ${response.status} for ${address.pathname}.`,
-    "Build the page with `cargo xtask explore`, which puts the model beside it, or open a .crom file from your disk.",
-  );
+  const { status } = response;
+  throw new ModelError((words) => [words.missing(name, status, address.pathname), words.buildPage]);
 }
 
 /** Refuses what cannot be a model before it takes room in the module's memory. */
 function check(header: Uint8Array, size: number, name: string): void {
-  if (!MAGIC.every((byte, i) => header[i] === byte)) {
-    throw new ModelError(`${name} is not a model that can be read: it does not begin with CROM.`, WHICH);
-  }
-  if (header.length < HEADER) throw new ModelError(`${name} is not a model that can be read: it is truncated.`, WHICH);
+  if (!MAGIC.every((byte, i) => header[i] === byte)) throw noModel(name, (words) => words.noMagic);
+  if (header.length < HEADER) throw noModel(name, (words) => words.truncated);
   const stated = HEADER + new DataView(header.buffer, header.byteOffset).getUint32(8, true);
-  if (stated !== size) {
-    const what = size < stated ? "truncated" : "too long";
-    throw new ModelError(`${name} is not a model that can be read: it is ${what}, ${size} bytes of ${stated}.`, WHICH);
-  }
+  if (size < stated) throw noModel(name, (words) => words.tooShort(size, stated));
+  if (size > stated) throw noModel(name, (words) => words.tooLong(size, stated));
 }
 
 function open(bytes: Uint8Array, name: string, file: string | undefined): Capsule {
   try {
     return new Capsule(bytes, file);
   } catch (error) {
-    throw new ModelError(`${name} is not a model that can be read: ${text(error)}.`, WHICH);
+    throw noModel(name, () => text(error));
   }
 }
+
+const noModel = (name: string, cause: (words: Refusals) => string) =>
+  new ModelError((words) => [words.noModel(name, cause(words)), words.openModel]);
 
 const nameOf = (address: URL) => address.pathname.split("/").at(-1) ?? address.pathname;

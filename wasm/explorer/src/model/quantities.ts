@@ -1,9 +1,9 @@
 import type { Quantity } from "../app/schema";
+import type { Messages } from "../messages/en";
 import type { Unit, Units } from "./units";
 
-/** How a read-out is named and written. */
+/** How a read-out is written. */
 interface Presentation {
-  readonly name: string;
   readonly unit: (units: Units) => Unit;
   /** The section plane that it is measured in. */
   readonly plane?: "midplane" | "diagonal";
@@ -20,23 +20,23 @@ const volume = ({ length: { name, plain, factor } }: Units): Unit => ({
 const error = (): Unit => ({ name: "% a", plain: "% a", factor: 100 });
 
 export const PRESENTATION: Record<Quantity, Presentation> = {
-  axial_length: { name: "Axial length", unit: length, digits: 4 },
-  half_width: { name: "Half width", unit: length, plane: "midplane", digits: 4 },
-  half_diagonal: { name: "Half diagonal", unit: length, plane: "diagonal", digits: 4 },
-  rear_depth: { name: "Rear depth", unit: length, digits: 4 },
-  velocity: { name: "Velocity", unit: velocity, digits: 4 },
-  volume: { name: "Volume", unit: volume, digits: 4 },
-  expected_error: { name: "Expected error", unit: error, digits: 3 },
-  error_bound: { name: "95 % error bound", unit: error, digits: 3 },
+  axial_length: { unit: length, digits: 4 },
+  half_width: { unit: length, plane: "midplane", digits: 4 },
+  half_diagonal: { unit: length, plane: "diagonal", digits: 4 },
+  rear_depth: { unit: length, digits: 4 },
+  velocity: { unit: velocity, digits: 4 },
+  volume: { unit: volume, digits: 4 },
+  expected_error: { unit: error, digits: 3 },
+  error_bound: { unit: error, digits: 3 },
 };
 
 /** The read-outs that are errors: the solution that they are taken against is named wherever they are shown. */
 export const ERRORS: ReadonlySet<Quantity> = new Set(["expected_error", "error_bound"]);
 
 /** The name of a read-out. Outside the sampled domain the expected error is a guess. */
-export function nameOf(quantity: Quantity, extrapolated: boolean): string {
-  const { name } = PRESENTATION[quantity];
-  return extrapolated && quantity === "expected_error" ? `${name}, a guess` : name;
+export function nameOf({ quantities, readouts }: Messages, quantity: Quantity, extrapolated: boolean): string {
+  const name = quantities[quantity];
+  return extrapolated && quantity === "expected_error" ? readouts.guess(name) : name;
 }
 
 export function unitOf(quantity: Quantity, units: Units): Unit {
@@ -52,8 +52,10 @@ export function written(quantity: Quantity, value: number, units: Units): string
 }
 
 /** A number with its unit; undefined is an error bound that does not exist. */
-export function measure(quantity: Quantity, value: number | undefined, units: Units): string {
-  return value === undefined ? "none" : `${written(quantity, value, units)} ${unitOf(quantity, units).name}`;
+export function measure(words: Messages, quantity: Quantity, value: number | undefined, units: Units): string {
+  return value === undefined
+    ? words.readouts.none
+    : `${written(quantity, value, units)} ${unitOf(quantity, units).name}`;
 }
 
 /** The least difference that a read-out's digits tell apart, in the model's unit. */

@@ -1,6 +1,7 @@
 import { html, type Root } from "../app/dom";
 import type { State } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Messages } from "../messages/en";
 import type { Need } from "../model/capsule";
 import { lengthScale, velocityScale } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
@@ -8,7 +9,7 @@ import type { Context, Trace, ViewPart } from "../views/view";
 /** The sizes of an experiment: each in its unit, as the state gives it, and the change of state that sets it. */
 interface Size {
   readonly id: string;
-  readonly name: string;
+  readonly name: keyof Messages["units"];
   readonly unit: string;
   readonly read: (state: State) => number;
   readonly write: (value: number, state: State) => Partial<State>;
@@ -42,28 +43,28 @@ const flowArea = (state: State) => 1e-6 * (sizesOf(state)[0] ?? 1) ** 2;
 const SIZES: readonly Size[] = [
   {
     id: "side",
-    name: "Channel’s side",
+    name: "side",
     unit: "µm",
     read: (state) => sizesOf(state)[0] ?? 0,
     write: (value, state) => rescale(state, 0, value),
   },
   {
     id: "viscosity",
-    name: "Viscosity of the liquid",
+    name: "viscosity",
     unit: "mPa s",
     read: (state) => sizesOf(state)[1] ?? 0,
     write: (value, state) => rescale(state, 1, value),
   },
   {
     id: "modulus",
-    name: "Surface shear modulus",
+    name: "modulus",
     unit: "mN/m",
     read: (state) => sizesOf(state)[2] ?? 0,
     write: (value, state) => rescale(state, 2, value),
   },
   {
     id: "radius",
-    name: "Radius of the capsule",
+    name: "radius",
     unit: "µm",
     read: (state) => state.confinement * lengthScale(sizesOf(state)),
     write: (value, state) => ({
@@ -74,14 +75,14 @@ const SIZES: readonly Size[] = [
   },
   {
     id: "mean-velocity",
-    name: "Mean velocity",
+    name: "velocity",
     unit: "mm/s",
     read: (state) => velocityScale(sizesOf(state), state.ca),
     write: atVelocity,
   },
   {
     id: "flow-rate",
-    name: "Flow rate",
+    name: "rate",
     unit: "µl/s",
     read: (state) => velocityScale(sizesOf(state), state.ca) * flowArea(state),
     write: (value, state) => atVelocity(value / flowArea(state), state),
@@ -113,7 +114,11 @@ export class Calculator implements ViewPart {
       });
       input.addEventListener("blur", () => this.#show(store.state));
       this.#inputs.set(size, input);
-      form.append(html("label", {}, html("span", { textContent: `${size.name}, ${size.unit}` }), input));
+      const name = html("span");
+      root.speak(({ units }) => {
+        name.textContent = `${units[size.name]}, ${size.unit}`;
+      });
+      form.append(html("label", {}, name, input));
     }
     this.#open.addEventListener("click", () => {
       store.set({ dimensions: sizesOf(store.state) });

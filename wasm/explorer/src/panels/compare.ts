@@ -1,6 +1,7 @@
 import { button, html, type Root } from "../app/dom";
 import { moveTo, PIN_NAMES, QUANTITIES, queryOf } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Messages } from "../messages/en";
 import type { Answer } from "../model/answer";
 import { ERRORS, nameOf, unitOf, written } from "../model/quantities";
 import type { Context, Trace, ViewPart } from "../views/view";
@@ -58,16 +59,16 @@ export class Compare implements ViewPart {
   }
 
   #write(traces: readonly Trace[], context: Context, far: readonly (Distance | undefined)[] | undefined): void {
-    const { units, capsule } = context;
+    const { units, capsule, words } = context;
     const [live, ...pinned] = traces;
     const heads: HTMLElement[] = [
-      html("th", { scope: "col", textContent: "Read-out" }),
-      html("th", { scope: "col", textContent: "Live" }),
+      html("th", { scope: "col", textContent: words.compare.readout }),
+      html("th", { scope: "col", textContent: words.compare.live }),
     ];
-    for (const trace of pinned) heads.push(this.#head(trace, capsule.names()));
+    for (const trace of pinned) heads.push(this.#head(trace, capsule.names(), words));
     const rows = QUANTITIES.map((quantity) => {
       const own = live?.answer?.read(quantity);
-      const name = `${nameOf(quantity, false)}, ${unitOf(quantity, units).name}`;
+      const name = `${nameOf(words, quantity, false)}, ${unitOf(quantity, units).name}`;
       const row = html("tr", {}, html("th", { scope: "row", textContent: name }));
       row.append(html("td", { textContent: own === undefined ? "–" : written(quantity, own, units) }));
       for (const { answer } of pinned) {
@@ -81,43 +82,37 @@ export class Compare implements ViewPart {
       }
       return row;
     });
-    const last = html("tr", {}, html("th", { scope: "row", textContent: "Distance of the shapes" }), html("td"));
+    const last = html("tr", {}, html("th", { scope: "row", textContent: words.compare.distance }), html("td"));
     pinned.forEach((_, i) => {
       const distance = far?.[i];
       const pending = far === undefined ? "…" : "–";
-      last.append(
-        html("td", { className: "distance", textContent: distance === undefined ? pending : words(distance) }),
-      );
+      const textContent = distance === undefined ? pending : inWords(distance, words.compare);
+      last.append(html("td", { className: "distance", textContent }));
     });
     const table = html("table", {}, html("thead", {}, html("tr", {}, ...heads)), html("tbody", {}, ...rows, last));
     const focused = document.activeElement instanceof HTMLElement ? document.activeElement.dataset.pin : undefined;
     this.#table.replaceChildren(
       table,
-      html("p", {
-        className: "errors",
-        textContent:
-          "Small figures: live minus pinned. Distance: modified Hausdorff distance of all nodes, laboratory frame, " +
-          `set against the larger 95 % bound of the two ${context.errors.against}.`,
-      }),
+      html("p", { className: "errors", textContent: words.compare.note(context.errors.against) }),
     );
     if (focused !== undefined) this.#table.querySelector<HTMLElement>(`[data-pin="${focused}"]`)?.focus();
   }
 
-  #head({ name, query }: Trace, parameters: readonly string[]): HTMLElement {
-    const words = query.parameters.map((value, i) => `${parameters[i]} ${value}`).join(", ");
-    const go = button(`${name}: ${words}, ${query.method}`, () => {
+  #head({ name, query }: Trace, parameters: readonly string[], words: Messages): HTMLElement {
+    const values = query.parameters.map((value, i) => `${parameters[i]} ${value}`).join(", ");
+    const go = button(`${name}: ${values}, ${words.provenance.methods[query.method]}`, () => {
       this.#store.set({
         ...moveTo(this.#store.state, query.parameters),
         method: query.method,
         extrapolate: query.extrapolate,
       });
     });
-    go.title = `Make ${name} the live query`;
+    go.title = words.compare.makeLive(name);
     go.dataset.pin = `go ${name}`;
     const remove = button("×", () => {
       this.#store.set({ pins: this.#store.state.pins.filter((pin) => pin.name !== name) });
     });
-    remove.ariaLabel = `Remove ${name}`;
+    remove.ariaLabel = words.compare.remove(name);
     remove.dataset.pin = `remove ${name}`;
     return html("th", { scope: "col", className: `pin-${name}` }, go, remove);
   }
@@ -141,13 +136,13 @@ export function distances([live, ...pinned]: readonly Trace[]): (Distance | unde
   });
 }
 
-/** "1.2 % a, 12 times the error", or "not resolved" where the error is as large. */
-export function words({ distance, error }: Distance): string {
+/** "1.2 % a: 12 times the error", or "not resolved" where the error is as large. */
+export function inWords({ distance, error }: Distance, words: Messages["compare"]): string {
   const far = `${(100 * distance).toFixed(3)} % a`;
-  if (distance === 0) return `${far}: the same shape`;
-  if (error === undefined) return `${far}: no bound to compare it with`;
+  if (distance === 0) return words.same(far);
+  if (error === undefined) return words.noBound(far);
   const times = distance / error;
   return times <= 1
-    ? `${far}: not resolved`
-    : `${far}: ${times < 10 ? times.toFixed(1) : Math.round(times)} times the error`;
+    ? words.notResolved(far)
+    : words.times(far, times < 10 ? times.toFixed(1) : String(Math.round(times)));
 }

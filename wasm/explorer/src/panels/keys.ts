@@ -1,11 +1,13 @@
-import type { Root } from "../app/dom";
+import { html, type Root } from "../app/dom";
+import { keepLanguage, LANGUAGES, type Language } from "../messages/languages";
 import { isControl } from "./transport";
 
 const THEMES = ["auto", "light", "dark"] as const;
 const STORED = "capsule-explorer-theme";
 
-/** The sheet of keys and help, which `?` opens, and the choice of the theme, which the browser keeps. */
-export function tieHelp(root: Root, onTheme: () => void): void {
+/** The sheet of keys and help, which `?` opens, and the choices of theme and language, which the browser keeps. */
+export function tieHelp(root: Root, onTheme: () => void, onLanguage: (language: Language) => void): void {
+  tieLanguage(root, onLanguage);
   const sheet = root.part("help", HTMLDialogElement);
   root.part("open-help", HTMLButtonElement).addEventListener("click", () => sheet.showModal());
   root.part("close-help", HTMLButtonElement).addEventListener("click", () => sheet.close());
@@ -37,4 +39,21 @@ function stored(): string | null {
   } catch {
     return null;
   }
+}
+
+/** The choice of the language; each calls itself by its own name. */
+function tieLanguage(root: Root, onLanguage: (language: Language) => void): void {
+  const choice = root.part("language", HTMLSelectElement);
+  const options = Object.entries(LANGUAGES).map(([value, name]) => {
+    return html("option", { value, lang: value, textContent: name });
+  });
+  choice.append(...options);
+  root.speak(() => {
+    choice.value = root.language;
+  });
+  choice.addEventListener("change", () => {
+    const language = choice.value as Language;
+    keepLanguage(language);
+    onLanguage(language);
+  });
 }

@@ -3,9 +3,9 @@ import type { Jobs } from "../app/jobs";
 import { LAYERS, type Layer, SCALES, type Scale } from "../app/schema";
 import type { Store } from "../app/store";
 import type { Measured } from "../identify/measured";
-import { MISFIT_UNIT } from "../identify/misfit-grid";
+import type { Messages } from "../messages/en";
 import type { Need } from "../model/capsule";
-import { ERRORS, PRESENTATION, unitOf } from "../model/quantities";
+import { ERRORS, nameOf, unitOf } from "../model/quantities";
 import type { ParameterMap } from "../views/map";
 import { MapLayer } from "../views/map-layer";
 import type { Context, Trace, ViewPart } from "../views/view";
@@ -35,7 +35,11 @@ export class MapChoices implements ViewPart {
     this.#scale = root.part("scale", HTMLSelectElement);
     this.#samples = root.part("samples", HTMLInputElement);
     this.#legend = root.part("map-legend", HTMLElement);
-    this.#quantity.append(...LAYERS.map((value) => html("option", { value, textContent: layerName(value) })));
+    const layers = LAYERS.map((value) => html("option", { value }));
+    root.speak((words) => {
+      for (const [i, layer] of LAYERS.entries()) layers[i]?.replaceChildren(layerName(words, layer));
+    });
+    this.#quantity.append(...layers);
     this.#scale.append(...SCALES.map((value) => html("option", { value, textContent: SCALE_NAMES[value] })));
     this.#quantity.addEventListener("change", () => {
       const layer = LAYERS.find((value) => value === this.#quantity.value);
@@ -48,7 +52,7 @@ export class MapChoices implements ViewPart {
     this.#samples.addEventListener("change", () => store.set({ samples: this.#samples.checked }));
   }
 
-  draw(_: readonly Trace[], { state, capsule, units, errors }: Context): void {
+  draw(_: readonly Trace[], { state, capsule, units, errors, words }: Context): void {
     this.#quantity.value = state.layer;
     this.#scale.value = state.scale;
     this.#samples.checked = state.samples;
@@ -56,26 +60,24 @@ export class MapChoices implements ViewPart {
     const { layer, method, t } = state;
     if (layer === "none" || layer === "misfit" || !capsule.has("channel")) {
       this.#layer.ask(capsule, undefined, units);
-      this.#legend.textContent = layer === "misfit" ? this.#ofMisfit() : "";
+      this.#legend.textContent = layer === "misfit" ? this.#ofMisfit(words.map) : "";
     } else if (!state.playing) {
       this.#resting = window.setTimeout(() => this.#layer.ask(capsule, { quantity: layer, method, t }, units), REST_MS);
       const against = ERRORS.has(layer) ? ` ${errors.against}` : "";
       const at = shownTime(t, state.end, units);
-      const name = `${PRESENTATION[layer].name} at t = ${at}`;
-      this.#legend.textContent = `Contours: ${name}, in ${unitOf(layer, units).name}${against}`;
+      const name = nameOf(words, layer, false);
+      this.#legend.textContent = words.map.contours(name, at, unitOf(layer, units).name, against);
     }
     this.#map.contours = layer === "misfit" ? this.#measured.layer : this.#layer.contours;
   }
 
-  #ofMisfit(): string {
+  #ofMisfit(words: Messages["map"]): string {
     const { found, share } = this.#measured;
-    if (found === undefined) return "No outline is identified yet";
-    const known = share === 1 ? "" : `, ${Math.round(100 * share)} % computed`;
-    return `Contours: misfit of the measured outline, in ${MISFIT_UNIT}${known}; regions of 68 and 95 %`;
+    if (found === undefined) return words.noOutline;
+    return words.misfitContours(share === 1 ? "" : words.computed(Math.round(100 * share)));
   }
 }
 
-function layerName(layer: Layer): string {
-  if (layer === "none") return "No contours";
-  return layer === "misfit" ? "Misfit" : PRESENTATION[layer].name;
+function layerName(words: Messages, layer: Layer): string {
+  return layer === "none" || layer === "misfit" ? words.map.layers[layer] : words.quantities[layer];
 }

@@ -1,12 +1,19 @@
 import { button, html, type Root } from "../app/dom";
 import { FLOWS, OBSERVABLES, OUTLINE_UNITS, type State } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Messages } from "../messages/en";
+
+type Words = Messages["outline"];
+
+/** Names of messages that are plain texts. */
+type Name = { [K in keyof Words]: Words[K] extends string ? K : never }[keyof Words];
 
 /** A number of the form: the state's, in its unit, and the change of state that sets it; 0 is none. */
 interface Field {
   readonly id: string;
-  readonly name: string;
-  readonly empty: string;
+  readonly name: Name;
+  /** Stands in the field where there is no number. */
+  readonly empty?: Name;
   readonly read: (state: State) => number;
   readonly write: (value: number, state: State) => Partial<State>;
 }
@@ -17,43 +24,39 @@ const rate = (halfWidth: number, velocity: number) => 60e-6 * (2 * halfWidth) **
 const NUMBERS: readonly Field[] = [
   {
     id: "half-width",
-    name: "Half channel side ℓ, µm",
-    empty: "",
+    name: "halfWidth",
     read: ({ halfWidth }) => halfWidth,
     write: (halfWidth) => ({ halfWidth }),
   },
   {
     id: "liquid-velocity",
-    name: "Mean velocity V, mm/s",
-    empty: "",
+    name: "meanVelocity",
     read: ({ meanVelocity }) => meanVelocity,
     write: (meanVelocity) => ({ meanVelocity }),
   },
   {
     id: "liquid-rate",
-    name: "Flow rate 4ℓ²V, µl/min",
-    empty: "",
+    name: "rate",
     read: ({ halfWidth, meanVelocity }) => rate(halfWidth, meanVelocity),
     write: (value, { halfWidth }) => ({ meanVelocity: halfWidth === 0 ? 0 : value / rate(halfWidth, 1) }),
   },
   {
     id: "liquid-viscosity",
-    name: "Viscosity, Pa s",
-    empty: "",
+    name: "viscosity",
     read: ({ viscosity }) => viscosity,
     write: (viscosity) => ({ viscosity }),
   },
   {
     id: "pixel-size",
-    name: "Size of a pixel, µm",
-    empty: "by the walls",
+    name: "pixel",
+    empty: "byWalls",
     read: ({ pixel }) => pixel,
     write: (pixel) => ({ pixel }),
   },
   {
     id: "nth-capsule",
-    name: "Number of the capsule",
-    empty: "the only one",
+    name: "number",
+    empty: "onlyOne",
     read: ({ nth }) => nth,
     write: (value) => ({ nth: Math.round(value) }),
   },
@@ -63,31 +66,31 @@ const NUMBERS: readonly Field[] = [
 interface Choice<K extends "observable" | "outlineUnit" | "flow"> {
   readonly id: string;
   readonly key: K;
-  readonly name: string;
+  readonly name: Name;
   readonly among: readonly State[K][];
-  readonly names: readonly string[];
+  readonly names: (words: Words) => Record<State[K], string>;
 }
 
 const OBSERVABLE: Choice<"observable"> = {
   id: "observable",
   key: "observable",
-  name: "The outline is",
+  name: "observable",
   among: OBSERVABLES,
-  names: ["section z = 0", "silhouette"],
+  names: ({ observables }) => observables,
 };
 const UNIT: Choice<"outlineUnit"> = {
   id: "outline-unit",
   key: "outlineUnit",
-  name: "Unit of a text",
+  name: "unit",
   among: OUTLINE_UNITS,
-  names: ["as it says", "µm", "pixels"],
+  names: ({ outlineUnits }) => outlineUnits,
 };
 const FLOW: Choice<"flow"> = {
   id: "outline-flow",
   key: "flow",
-  name: "Direction of the flow",
+  name: "flow",
   among: FLOWS,
-  names: ["found by the fit", "to the right", "to the left", "up", "down"],
+  names: ({ flows }) => flows,
 };
 
 /** What is said of a measured outline: the file, the channel, the flow, the liquid. */
@@ -105,12 +108,14 @@ export class MeasuredForm {
       if (file !== undefined) onFile(file);
       picker.value = "";
     });
-    const choose = button("Choose a file…", () => picker.click());
+    const choose = button("", () => picker.click());
     choose.id = root.id("choose-outline");
+    root.speak(({ outline }) => {
+      choose.textContent = outline.choose;
+    });
     form.append(choose);
     for (const field of NUMBERS) {
       const input = html("input", { type: "number", id: root.id(field.id), step: "any", min: "0" });
-      input.placeholder = field.empty;
       input.addEventListener("input", () => {
         const value = input.value === "" ? 0 : input.valueAsNumber;
         const isGood = Number.isFinite(value) && value >= 0 && !input.validity.badInput;
@@ -119,9 +124,18 @@ export class MeasuredForm {
       });
       input.addEventListener("blur", () => this.draw(store.state));
       this.#numbers.set(field, input);
-      form.append(html("label", {}, html("span", { textContent: field.name }), input));
+      const name = html("span");
+      root.speak(({ outline }) => {
+        name.textContent = outline[field.name];
+        input.placeholder = field.empty === undefined ? "" : outline[field.empty];
+      });
+      form.append(html("label", {}, name, input));
     }
-    for (const choice of [OBSERVABLE, UNIT, FLOW]) form.append(this.#choice(root, store, choice));
+    form.append(
+      this.#choice(root, store, OBSERVABLE),
+      this.#choice(root, store, UNIT),
+      this.#choice(root, store, FLOW),
+    );
   }
 
   /** Shows the state; a field that is being typed in stays. */
@@ -138,7 +152,13 @@ export class MeasuredForm {
   #choice<K extends "observable" | "outlineUnit" | "flow">(root: Root, store: Store, choice: Choice<K>): HTMLElement {
     const { id, key, name, among, names } = choice;
     const select = html("select", { id: root.id(id) });
-    select.append(...among.map((value, i) => html("option", { value, textContent: names[i] ?? value })));
+    const options = among.map((value) => html("option", { value }));
+    const title = html("span");
+    root.speak(({ outline }) => {
+      title.textContent = outline[name];
+      for (const [i, value] of among.entries()) options[i]?.replaceChildren(names(outline)[value]);
+    });
+    select.append(...options);
     select.addEventListener("change", () => {
       const value = among.find((item) => item === select.value);
       if (value !== undefined) store.set({ [key]: value });
@@ -146,6 +166,6 @@ export class MeasuredForm {
     this.#choices.push((state) => {
       select.value = state[key];
     });
-    return html("label", {}, html("span", { textContent: name }), select);
+    return html("label", {}, title, select);
   }
 }

@@ -1,4 +1,5 @@
-import { button, html, type Root } from "../app/dom";
+import { button, html, inEnglish, type Root } from "../app/dom";
+import { FLOWS } from "../app/schema";
 import type { Store } from "../app/store";
 import { answerCsv, answerJson } from "../export/answer";
 import { figureSvg, svgText } from "../export/figure";
@@ -6,14 +7,13 @@ import { save } from "../export/save";
 import type { Measured } from "../identify/measured";
 import { writtenMisfit } from "../identify/misfit-grid";
 import type { Answer, Ends } from "../identify/protocol";
+import type { Messages } from "../messages/en";
 import type { Need } from "../model/capsule";
 import { FitDrawing } from "../views/fit-drawing";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { MeasuredForm } from "./measured-form";
 
-const USE = "Choose a text of points or a picture (PNG, JPEG, TIFF), drop it anywhere on the page, or paste it.";
-
-const SQUARE = "A picture does not tell a square channel from a round tube: in a tube the numbers would be wrong.";
+type Words = Messages["outline"];
 
 /** The view of a measured outline: its file and its sizes, the capsule that fits it best, and how sure that is. */
 export class MeasuredView implements ViewPart {
@@ -28,7 +28,7 @@ export class MeasuredView implements ViewPart {
   readonly #stage: HTMLElement;
   readonly #drawing: FitDrawing;
   #said = "";
-  #shown: Answer | undefined;
+  #shown: readonly [Answer | undefined, Messages | undefined] = [undefined, undefined];
   #context: Context | undefined;
 
   constructor(root: Root, store: Store, measured: Measured, onFile: (file: File) => void) {
@@ -40,7 +40,7 @@ export class MeasuredView implements ViewPart {
     this.#answer = root.part("measured-answer", HTMLElement);
     this.#live = root.part("measured-live", HTMLElement);
     this.#stage = root.part("measured", HTMLElement);
-    this.#drawing = new FitDrawing(this.#stage);
+    this.#drawing = new FitDrawing(root, this.#stage);
   }
 
   draw(_: readonly Trace[], context: Context): void {
@@ -50,48 +50,58 @@ export class MeasuredView implements ViewPart {
     this.#form.draw(state);
     this.#file.textContent = file?.name ?? "";
     const answer = found?.answer;
-    const words = answer === undefined ? problem : `${answer.verdict}: ${answer.verdict_text}`;
-    this.#say(file === undefined ? USE : isBusy ? "Identifying…" : words);
-    this.#verdict.classList.toggle("problem", problem !== "");
-    if (answer !== this.#shown) {
-      this.#shown = answer;
-      this.#answer.replaceChildren(...(answer === undefined ? [] : this.#parts(answer)));
+    const words = context.words.outline;
+    this.#verdict.classList.toggle("problem", problem !== undefined);
+    if (answer !== undefined) {
+      const [name, meaning] = verdictOf(answer, words);
+      this.#say(words.verdict(name, meaning), meaning === answer.verdict_text);
+    } else if (file === undefined) this.#say(words.use);
+    else if (isBusy || problem === undefined) this.#say(words.busy);
+    else this.#say(typeof problem === "string" ? problem : problem(words), typeof problem === "string");
+    if (answer !== this.#shown[0] || context.words !== this.#shown[1]) {
+      this.#shown = [answer, context.words];
+      this.#answer.replaceChildren(...(answer === undefined ? [] : this.#parts(answer, words)));
     }
     const misfit = found === undefined ? undefined : this.#measured.misfit(state);
-    this.#live.textContent = found === undefined ? "" : `The capsule on screen: ${writtenMisfit(misfit)}`;
+    this.#live.textContent = found === undefined ? "" : words.onScreen(writtenMisfit(context.words, misfit));
     this.#stage.hidden = found === undefined;
     this.#drawing.draw(found, regions);
   }
 
   /** A live region that is written again is spoken again: leave it alone while it says the same. */
-  #say(words: string): void {
+  #say(words: string, isCore = false): void {
     if (this.#said === words) return;
     this.#said = words;
-    this.#verdict.textContent = words;
+    this.#verdict.replaceChildren(isCore ? inEnglish(words) : words);
   }
 
-  #parts(answer: Answer): Node[] {
-    const parts: Node[] = [table(answer), html("p", { className: "errors", textContent: details(answer) })];
+  #parts(answer: Answer, words: Words): Node[] {
+    const note = html("p", { className: "errors" }, inEnglish(answer.contour), `; ${details(answer, words)}`);
+    const parts: Node[] = [table(answer, words), note];
     if (answer.alternative !== undefined) {
       const { ca, confinement, rise_of_chi_squared: rise } = answer.alternative;
       const place = `Ca ${ca.toFixed(5)}, a/ℓ ${confinement.toFixed(4)}`;
-      const words = `Another solution: ${place}, χ² greater by ${rise.toFixed(2)}.`;
-      parts.push(html("p", { textContent: words }));
+      parts.push(html("p", { textContent: words.alternative(place, rise.toFixed(2)) }));
     }
     for (const warning of answer.warnings ?? []) {
-      parts.push(html("p", { className: "problem", textContent: `Warning: ${warning}.` }));
+      parts.push(html("p", { className: "problem" }, words.warning, inEnglish(`${warning}.`)));
     }
-    if (answer.picture !== undefined) parts.push(html("p", { className: "errors", textContent: SQUARE }));
+    if (answer.picture !== undefined) parts.push(html("p", { className: "errors", textContent: words.square }));
     const name = (extension: string) => `capsule-identified-${answer.model_digest}.${extension}`;
+    const labelled = (format: string, run: () => void) => {
+      const made = button(format, run);
+      made.ariaLabel = words.answerAs(format);
+      return made;
+    };
     parts.push(
       html(
         "div",
         { className: "buttons" },
-        button("Show this capsule", () => this.#show(answer)),
+        button(words.show, () => this.#show(answer)),
         labelled("JSON", () => save(name("json"), answerJson(answer))),
         labelled("CSV", () => save(name("csv"), answerCsv(answer))),
-        labelled("SVG", () => save(name("svg"), this.#svg(answer))),
-        button("Remove", () => this.#measured.take(undefined)),
+        labelled("SVG", () => save(name("svg"), this.#svg(answer, words))),
+        button(words.remove, () => this.#measured.take(undefined)),
       ),
     );
     return parts;
@@ -111,43 +121,52 @@ export class MeasuredView implements ViewPart {
     });
   }
 
-  #svg(answer: Answer): string {
+  #svg(answer: Answer, words: Words): string {
     const against = this.#context?.errors.sentence.replaceAll("\u00a0", " ") ?? "";
-    const line = `Ca = ${answer.ca.toPrecision(5)}, a/l = ${answer.confinement.toPrecision(5)}, ${answer.verdict}`;
+    const [name, meaning] = verdictOf(answer, words);
+    const line = `Ca = ${answer.ca.toPrecision(5)}, a/l = ${answer.confinement.toPrecision(5)}, ${name}`;
     return svgText(
       figureSvg(this.#stage, {
-        title: `Measured outline ${this.#measured.file?.name ?? ""}`,
-        foot: `Model ${answer.model_digest}; ${line}`,
-        description: [line, answer.verdict_text, details(answer), against].join("\n"),
+        title: words.title(this.#measured.file?.name ?? ""),
+        foot: `${words.ofModel(answer.model_digest)}; ${line}`,
+        description: [line, meaning, `${answer.contour}; ${details(answer, words)}`, against].join("\n"),
       }),
     );
   }
 }
 
+/** The verdict's name and meaning; where a language has none, those of the core. */
+function verdictOf({ verdict, verdict_text }: Answer, { verdicts }: Words): readonly [string, string] {
+  return verdicts[verdict] ?? [verdict, verdict_text];
+}
+
 /** Six digits: more than anybody measures. */
 const rounded = (value: number) => Number(value.toPrecision(6));
 
-const labelled = (format: string, run: () => void) => {
-  const made = button(format, run);
-  made.ariaLabel = `Answer, ${format}`;
-  return made;
-};
-
-function details(answer: Answer): string {
+function details(answer: Answer, words: Words): string {
   const signed = (value: number, digits: number) => `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(digits)}`;
-  return [
-    `${answer.contour}; flow ${answer.flow}`,
-    `residuals ${answer.residual_um.toFixed(3)} µm, edge ${signed(answer.edge_um, 3)} µm`,
-    `scale ${signed(100 * answer.scale_error, 2)} %, tilt ${signed(answer.tilt_degrees, 2)}°`,
-    `χ² ${answer.chi_squared.toFixed(0)} for ${answer.degrees_of_freedom.toFixed(0)}`,
-    `model ${answer.model_digest}`,
-  ].join("; ");
+  const found = words.details(
+    flowOf(answer, words),
+    answer.residual_um.toFixed(3),
+    signed(answer.edge_um, 3),
+    signed(100 * answer.scale_error, 2),
+    signed(answer.tilt_degrees, 2),
+    answer.chi_squared.toFixed(0),
+    answer.degrees_of_freedom.toFixed(0),
+  );
+  return `${found}; ${words.ofModel(answer.model_digest)}`;
 }
 
-function table(answer: Answer): HTMLElement {
+/** The direction of the flow; in a picture it is one that the core found. */
+function flowOf({ flow }: Answer, { flows }: Words): string {
+  const known = FLOWS.find((name) => name === flow);
+  return known === undefined ? flow : flows[known];
+}
+
+function table(answer: Answer, words: Words): HTMLElement {
   const row = (name: string, id: string, value: number, narrow: Ends, wide: Ends, digits: number) => {
-    const end = (one: number | null) => (one === null ? "open" : one.toFixed(digits));
-    const interval = ([low, high]: Ends) => html("td", { textContent: `${end(low)} to ${end(high)}` });
+    const end = (one: number | null) => (one === null ? words.open : one.toFixed(digits));
+    const interval = ([low, high]: Ends) => html("td", { textContent: words.interval(end(low), end(high)) });
     const output = html("output", { textContent: value.toFixed(digits) });
     output.dataset.identified = id;
     output.dataset.value = String(value);
@@ -162,7 +181,9 @@ function table(answer: Answer): HTMLElement {
     );
   };
   const milli = ([low, high]: Ends): Ends => [low === null ? null : 1e3 * low, high === null ? null : 1e3 * high];
-  const heads = ["quantity", "value", "68 %", "95 %"].map((textContent) => html("th", { scope: "col", textContent }));
+  const heads = [words.quantity, words.value, "68 %", "95 %"].map((textContent) =>
+    html("th", { scope: "col", textContent }),
+  );
   return html(
     "table",
     {},

@@ -1,25 +1,23 @@
 import { html } from "../app/dom";
+import type { Messages } from "../messages/en";
 import type { Capsule } from "../model/capsule";
 
 /** The model that is computed with: every figure on the page belongs to the one with this digest. */
-export function describe(list: HTMLElement, { model, bytes }: Capsule): void {
+export function describe(list: HTMLElement, { model, bytes }: Capsule, { page, card, laws }: Messages): void {
   const created = new Date(model.createdUnixS * 1000).toISOString().slice(0, 10);
+  const samples = model.samples().length / model.parameterNames().length;
   const entries: [name: string, value: string, hint: string][] = [
-    ["Model", model.digest, `${model.title}. Database ${model.databaseDigest}, made on ${created}`],
-    [
-      "Samples",
-      String(model.samples().length / model.parameterNames().length),
-      "Full-order simulations that the model was made from",
-    ],
-    ["Membrane", model.membraneLaw, "Constitutive law of the membrane"],
-    ["Size", `${(bytes / 1e6).toFixed(2)} MB`, `${model.nodeCount} nodes on the membrane`],
+    [page.model, model.digest, card.origin(model.title, model.databaseDigest, created)],
+    [card.samples, String(samples), card.samplesHint],
+    [card.membrane, laws[model.membraneLaw] ?? model.membraneLaw, card.membraneHint],
+    [card.size, card.megabytes((bytes / 1e6).toFixed(2)), card.sizeHint(model.nodeCount)],
   ];
-  const licences = html("a", { href: "./THIRD-PARTY.txt", textContent: "third-party" });
+  const licences = html("a", { href: "./THIRD-PARTY.txt", textContent: card.thirdParty });
   list.replaceChildren(
     ...entries.map(([name, value, hint]) =>
       html("div", { title: hint }, html("dt", { textContent: name }), html("dd", { textContent: value })),
     ),
-    html("div", {}, html("dt", { textContent: "Licences" }), html("dd", {}, licences)),
+    html("div", {}, html("dt", { textContent: card.licences }), html("dd", {}, licences)),
   );
   list.dataset.digest = model.digest;
 }

@@ -1,19 +1,11 @@
-import { button, html, type Root } from "../app/dom";
+import { button, html, inEnglish, type Root } from "../app/dom";
 import { moveTo, type State } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Messages } from "../messages/en";
 import type { Validity } from "../model/answer";
 import type { Capsule } from "../model/capsule";
-import type { Domain } from "../model/prepare";
-import type { Units } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { shownTime } from "./time-axis";
-
-/** Where parameters lie that are extrapolated to. */
-const WHERE: Record<Exclude<Domain, "inside">, string> = {
-  outside: "outside the sampled range",
-  "far-from-samples": "far from all samples",
-  "beyond-steady-limit": "beyond the largest steady Ca",
-};
 
 /** A way out that a notice offers. */
 interface Action {
@@ -35,42 +27,40 @@ export class Notice implements ViewPart {
     this.#element = root.part("notice", HTMLElement);
   }
 
-  draw([live]: readonly Trace[], { state, capsule, units }: Context): void {
+  draw([live]: readonly Trace[], context: Context): void {
     if (live === undefined) return;
+    const { state, capsule } = context;
+    const words = context.words.notice;
     const { validity } = capsule.answer("live", live.query, state.t);
     this.#markFields(capsule, live.query.parameters, validity);
     if (validity.kind === "given") {
-      this.#say("", []);
+      this.#say("", "", []);
     } else if (validity.kind === "extrapolated") {
-      const where = WHERE[validity.domain];
-      const words = `Extrapolated: these parameters lie ${where}. The expected error is a guess, no bound is known.`;
-      this.#say(words, [this.#nearest(capsule, state, live.query.parameters)]);
+      const nearest = this.#nearest(capsule, state, live.query.parameters, words);
+      this.#say(words.extrapolated(words.where[validity.domain]), "", [nearest]);
     } else {
-      this.#refuse(validity, state, capsule, live.query.parameters, units);
+      this.#refuse(validity, live.query.parameters, context);
     }
   }
 
   #refuse(
-    { cause, words }: Validity & { kind: "refused" },
-    state: State,
-    capsule: Capsule,
+    { cause, words: core }: Validity & { kind: "refused" },
     at: readonly number[],
-    units: Units,
+    { state, capsule, units, words: { notice: words } }: Context,
   ): void {
-    const actions = [this.#nearest(capsule, state, at)];
+    const actions = [this.#nearest(capsule, state, at, words)];
     const mayExtrapolate = !capsule.has("channel") || at.every((value) => value > 0);
     if (mayExtrapolate && !state.extrapolate) {
-      actions.push({ label: "Extrapolate", run: () => this.#store.set({ extrapolate: true }) });
+      actions.push({ label: words.extrapolate, run: () => this.#store.set({ extrapolate: true }) });
     }
-    const t = shownTime(state.t, state.end, units);
-    const whole = cause === "instant" ? `no answer at t = ${t}: ${words}` : words;
-    this.#say(`${whole.charAt(0).toUpperCase()}${whole.slice(1)}.`, actions);
+    if (cause === "instant") this.#say(words.noAnswerAt(shownTime(state.t, state.end, units)), `${core}.`, actions);
+    else this.#say("", `${core.charAt(0).toUpperCase()}${core.slice(1)}.`, actions);
   }
 
-  #nearest(capsule: Capsule, state: State, at: readonly number[]): Action {
+  #nearest(capsule: Capsule, state: State, at: readonly number[], words: Messages["notice"]): Action {
     const place = [...capsule.model.nearest(Float64Array.from(at))];
     return {
-      label: `Go to the nearest point inside, ${place.join(", ")}`,
+      label: words.nearest(place.join(", ")),
       run: () => this.#store.set(moveTo(state, place)),
     };
   }
@@ -89,16 +79,17 @@ export class Notice implements ViewPart {
     });
   }
 
-  #say(words: string, actions: readonly Action[]): void {
+  /** Says something, in the page's words and then in the core's. */
+  #say(words: string, core: string, actions: readonly Action[]): void {
     // A live region that is written again is spoken again: leave it alone while it says the same.
-    const key = [words, ...actions.map((action) => action.label)].join("\n");
+    const key = [words, core, ...actions.map((action) => action.label)].join("\n");
     if (this.#said === key) return;
     this.#said = key;
-    if (words === "") {
+    if (words === "" && core === "") {
       this.#element.replaceChildren();
       return;
     }
     const buttons = actions.map(({ label, run }) => button(label, run));
-    this.#element.replaceChildren(html("p", { textContent: words }), html("div", {}, ...buttons));
+    this.#element.replaceChildren(html("p", {}, words, inEnglish(core)), html("div", {}, ...buttons));
   }
 }

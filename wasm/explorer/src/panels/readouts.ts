@@ -1,12 +1,12 @@
 import { html, type Root } from "../app/dom";
 import { QUANTITIES, type Quantity } from "../app/schema";
+import type { Messages } from "../messages/en";
 import type { Answer } from "../model/answer";
 import { ERRORS, measure, nameOf, PRESENTATION, unitOf, written } from "../model/quantities";
 import type { Units } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { shownTime } from "./time-axis";
 
-const LABEL = "Read-outs; the chosen one is plotted along time";
 /** How long things must be at rest before the figures are spoken. */
 const REST_MS = 700;
 
@@ -26,7 +26,6 @@ export class Readouts implements ViewPart {
   readonly #mark: HTMLElement;
   readonly #uncertain: HTMLElement;
   readonly #errors: HTMLElement;
-  #against = "";
   #announcing = 0;
 
   constructor(root: Root, onTrace: (quantity: Quantity) => void) {
@@ -36,14 +35,13 @@ export class Readouts implements ViewPart {
     this.#uncertain = root.part("uncertain", HTMLElement);
     this.#errors = root.part("errors", HTMLElement);
     this.#panel.role = "radiogroup";
-    this.#panel.ariaLabel = LABEL;
     for (const quantity of QUANTITIES) {
       const { plane } = PRESENTATION[quantity];
       const output = html("output", { id: root.id(quantity) });
       // They change sixty times a second; the announcement is spoken instead.
       output.ariaLive = "off";
       output.dataset.quantity = quantity;
-      const name = html("span", { textContent: nameOf(quantity, false) });
+      const name = html("span");
       const unit = html("span", { className: "unit" });
       const row = html("button", { type: "button", className: "readout" }, name, output, unit);
       row.role = "radio";
@@ -56,8 +54,7 @@ export class Readouts implements ViewPart {
     }
   }
 
-  draw([live]: readonly Trace[], { state, units, capsule, errors }: Context): void {
-    this.#against = errors.against;
+  draw([live]: readonly Trace[], { state, units, capsule, errors, words }: Context): void {
     if (this.#errors.textContent !== errors.sentence) this.#errors.textContent = errors.sentence;
     for (const [quantity, { row, unit }] of this.#rows) {
       row.ariaChecked = String(quantity === state.trace);
@@ -66,32 +63,34 @@ export class Readouts implements ViewPart {
     }
     window.clearTimeout(this.#announcing);
     if (live?.answer === undefined) {
-      this.#clear();
+      this.#clear(words);
       return;
     }
-    this.#show(live.answer, live.radius, units);
+    this.#show(live.answer, live.radius, units, words);
     // The names of the rows hold their values; while time runs they would be rewritten in every frame.
     if (state.playing) return;
     const extrapolated = live.answer.validity.kind === "extrapolated";
     const figures = [...this.#rows].map(([quantity, { row }]) => {
-      const words = `${nameOf(quantity, extrapolated)} ${measure(quantity, live.answer?.read(quantity), units)}`;
-      row.ariaLabel = words;
-      return words;
+      const value = measure(words, quantity, live.answer?.read(quantity), units);
+      row.ariaLabel = `${nameOf(words, quantity, extrapolated)} ${value}`;
+      return row.ariaLabel;
     });
     const query = live.query.parameters.map((value, i) => `${capsule.names()[i]} ${value}`).join(", ");
     const t = `${shownTime(state.t, state.end, units)} ${units.time.plain}`;
-    this.#announce(`${query}, time ${t}: ${figures.join(", ")}; errors ${this.#against}`, extrapolated);
+    const { announced, announcedExtrapolated } = words.readouts;
+    const spoken = announced(query, t, figures.join(", "), errors.against);
+    this.#announce(extrapolated ? announcedExtrapolated(spoken) : spoken);
   }
 
-  #show(answer: Answer, radius: number, units: Units): void {
+  #show(answer: Answer, radius: number, units: Units, words: Messages): void {
     const extrapolated = answer.validity.kind === "extrapolated";
-    this.#markExtrapolated(extrapolated);
+    this.#markExtrapolated(extrapolated, words);
     this.#uncertain.hidden = extrapolated || !answer.isUncertain;
     for (const [quantity, { output, unit }] of this.#rows) {
       const value = answer.read(quantity);
       unit.toggleAttribute("hidden", value === undefined);
       if (value === undefined) {
-        output.textContent = "none";
+        output.textContent = words.readouts.none;
         delete output.dataset.value;
         continue;
       }
@@ -104,28 +103,28 @@ export class Readouts implements ViewPart {
   }
 
   /** Shows that there is no answer, and has none spoken. */
-  #clear(): void {
-    this.#markExtrapolated(false);
+  #clear(words: Messages): void {
+    this.#markExtrapolated(false, words);
     this.#uncertain.hidden = true;
     for (const [quantity, { row, output, unit }] of this.#rows) {
       unit.toggleAttribute("hidden", false);
       output.textContent = "–";
-      row.ariaLabel = `${nameOf(quantity, false)}: no answer`;
+      row.ariaLabel = words.readouts.noAnswer(nameOf(words, quantity, false));
       delete output.dataset.value;
     }
     this.#announcement.textContent = "";
   }
 
-  #markExtrapolated(extrapolated: boolean): void {
+  #markExtrapolated(extrapolated: boolean, words: Messages): void {
     this.#mark.hidden = !extrapolated;
-    this.#panel.ariaLabel = extrapolated ? `Extrapolated. ${LABEL}` : LABEL;
-    for (const [quantity, { name }] of this.#rows) name.textContent = nameOf(quantity, extrapolated);
+    this.#panel.ariaLabel = extrapolated ? words.readouts.groupExtrapolated : words.readouts.group;
+    for (const [quantity, { name }] of this.#rows) name.textContent = nameOf(words, quantity, extrapolated);
   }
 
   /** Has the figures spoken once things have come to rest. */
-  #announce(words: string, extrapolated: boolean): void {
+  #announce(words: string): void {
     this.#announcing = window.setTimeout(() => {
-      this.#announcement.textContent = extrapolated ? `Extrapolated. ${words}` : words;
+      this.#announcement.textContent = words;
     }, REST_MS);
   }
 

@@ -44,7 +44,10 @@ export class ParameterSliders implements ViewPart {
       const slider = html("input", { type: "range", min: String(min), max: String(max), ariaLabel: name });
       slider.step = String((max - min) / STEPS || 1);
       const id = this.#root.id(`parameter-${i}`);
-      const number = html("input", { type: "number", id, step: "any", ariaLabel: `${name}, value` });
+      const number = html("input", { type: "number", id, step: "any" });
+      this.#root.speak(({ sliders }) => {
+        number.ariaLabel = sliders.value(name);
+      });
       for (const input of [slider, number]) {
         input.addEventListener("input", () => {
           if (Number.isFinite(input.valueAsNumber)) this.#onChange(this.#values.with(i, input.valueAsNumber));

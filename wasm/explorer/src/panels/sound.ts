@@ -1,5 +1,5 @@
 import type { Root } from "../app/dom";
-import { PRESENTATION } from "../model/quantities";
+import { nameOf } from "../model/quantities";
 import { type Course, type Courses, extremes, POINTS } from "../views/courses";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { isControl } from "./transport";
@@ -29,11 +29,11 @@ export class Sound implements ViewPart {
     });
   }
 
-  draw([live]: readonly Trace[], { state }: Context): void {
+  draw([live]: readonly Trace[], { state, words }: Context): void {
     this.#course = live && this.#courses.alongTime(live.name, live.query, state.trace, 1);
     if (this.#sounding !== undefined && this.#sounding.course !== this.#course) this.#stop();
     this.#button.disabled = this.#course?.done !== POINTS || extremes([this.#course]) === undefined;
-    this.#button.ariaLabel = `Listen to ${PRESENTATION[state.trace].name} along time`;
+    this.#button.ariaLabel = words.time.listen(nameOf(words, state.trace, false));
   }
 
   #toggle(): void {

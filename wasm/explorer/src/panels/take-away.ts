@@ -9,6 +9,7 @@ import { type ReportFigure, toReport } from "../export/report";
 import { save } from "../export/save";
 import { toStl } from "../export/stl";
 import { toVtp } from "../export/vtp";
+import type { Messages } from "../messages/en";
 import { type Answer, text } from "../model/answer";
 import type { Context, Trace } from "../views/view";
 
@@ -27,16 +28,14 @@ export interface Source {
 }
 
 /** The drawings, by the id of their element. */
-const DRAWINGS: readonly (readonly [id: string, view: View | undefined, name: string])[] = [
-  ["map", undefined, "Map of the parameters"],
-  ["midplane", "midplane", "Longitudinal section"],
-  ["diagonal", "diagonal", "Diagonal section"],
-  ["transversal", "transversal", "Transversal section"],
-  ["plots", "plots", "All read-outs"],
-  ["track", undefined, "Read-out along time"],
+const DRAWINGS: readonly (readonly [id: string, view: View | undefined, name: (words: Messages) => string])[] = [
+  ["map", undefined, (words) => words.export.map],
+  ["midplane", "midplane", (words) => words.page.midplane],
+  ["diagonal", "diagonal", (words) => words.page.diagonal],
+  ["transversal", "transversal", (words) => words.page.transversal],
+  ["plots", "plots", (words) => words.page.plots],
+  ["track", undefined, (words) => words.export.track],
 ];
-
-const SPACE = "Capsule in the channel";
 
 /** Frames of an animation. */
 const FRAMES = 41;
@@ -59,36 +58,36 @@ export class TakeAway {
     const shown = this.#source.shown();
     if (shown === undefined) return;
     const [traces, context] = shown;
+    const { page, export: words } = context.words;
     const drawings = DRAWINGS.filter(([id, view]) => {
       const isMap = id !== "map" || context.capsule.has("channel");
       return isMap && (view === undefined || context.shows(view));
     });
-    const rows = drawings.map(([id, , name]) => this.#row(name, this.#figureButtons(id, name, traces, context)));
+    const named = drawings.map(([id, , name]) => [id, name(context.words)] as const);
+    const rows = named.map(([id, name]) => this.#row(name, this.#figureButtons(id, name, traces, context)));
     const picture = context.shows("solid") ? this.#source.picture() : undefined;
     if (picture !== undefined) {
       const save = async () => {
         const shot = this.#picture(traces, context);
         if (shot !== undefined) this.#save("capsule", "png", await picturePng(shot));
       };
-      rows.push(this.#row(SPACE, [button("PNG", save)]), this.#filmRow(context.state));
+      rows.push(this.#row(page.solid, [button("PNG", save)]), this.#filmRow(context.state));
     }
     const link = this.#source.link();
     const report = async () => {
-      const figures: ReportFigure[] = drawings.map(([id, , name]) => {
+      const figures: ReportFigure[] = named.map(([id, name]) => {
         return { name, drawing: this.#figure(id, name, traces, context) };
       });
       const shot = picture === undefined ? undefined : this.#picture(traces, context);
       if (shot !== undefined) {
         const src = await dataAddress(await picturePng(shot));
-        figures.unshift({ name: SPACE, drawing: html("img", { src, alt: SPACE }) });
+        figures.unshift({ name: page.solid, drawing: html("img", { src, alt: page.solid }) });
       }
-      return toReport(traces, context, figures, provenance(traces, context, link));
+      return toReport(traces, context, figures, provenance(traces, context, link), this.#root.language);
     };
-    rows.unshift(
-      this.#row("All of it in one page", [button("HTML", async () => this.#save("report", "html", await report()))]),
-    );
+    rows.unshift(this.#row(words.whole, [button("HTML", async () => this.#save("report", "html", await report()))]));
     rows.push(
-      this.#row("Read-outs, now and along time", [
+      this.#row(words.numbers, [
         button("CSV", () => this.#save("readouts", "csv", toCsv(traces, context, provenance(traces, context, link)))),
         button("JSON", () => this.#save("readouts", "json", toJson(traces, context, link))),
       ]),
@@ -96,12 +95,10 @@ export class TakeAway {
     const [live] = traces;
     if (live?.answer !== undefined) {
       const buttons = this.#surfaceButtons(live, live.answer, context, provenance(traces, context, link));
-      rows.push(this.#row(`Surface, lengths in ${context.units.drawn.plain}`, buttons));
+      rows.push(this.#row(words.surface(context.units.drawn.plain), buttons));
     }
     rows.push(
-      this.#row("Session, to open again", [
-        button("Save", () => this.#save("session", "json", this.#source.session())),
-      ]),
+      this.#row(words.session, [button(words.save, () => this.#save("session", "json", this.#source.session()))]),
     );
     this.#root.part("take-away-list", HTMLElement).replaceChildren(...rows);
     this.#dialog.showModal();
@@ -122,11 +119,14 @@ export class TakeAway {
   /** The space view with its words; undefined where there is none. */
   #picture(traces: readonly Trace[], context: Context): Picture | undefined {
     const canvas = this.#source.picture();
-    return canvas && { canvas, legend: this.#legend(SPACE, traces, context), scale: this.#source.scale() };
+    return (
+      canvas && { canvas, legend: this.#legend(context.words.page.solid, traces, context), scale: this.#source.scale() }
+    );
   }
 
   /** The space view as a film of the whole time; closing the dialog ends it. */
   #filmRow(state: State): HTMLElement {
+    const { page, export: words } = this.#root.words;
     const note = html("small", { role: "status" });
     const picture = () => {
       const [traces, context] = this.#source.shown() ?? [];
@@ -135,23 +135,23 @@ export class TakeAway {
     const make = button("MP4", async () => {
       make.disabled = true;
       const onShare = (share: number) => {
-        if (!this.#dialog.open) throw new Error("the dialog was closed");
+        if (!this.#dialog.open) throw new Error(words.closed);
         note.textContent = `${Math.round(100 * share)} %`;
       };
       try {
         this.#save("motion", "mp4", await film(state, this.#source.seek, picture, onShare));
         note.textContent = "";
       } catch (error) {
-        note.textContent = `There is no film: ${text(error)}.`;
+        note.textContent = words.noFilm(text(error));
       }
       this.#source.seek(state.t);
       make.disabled = false;
     });
     if (!canFilm()) {
       make.disabled = true;
-      note.textContent = "This browser has no WebCodecs to encode video with.";
+      note.textContent = words.noCodecs;
     }
-    const row = this.#row(`${SPACE}, moving`, [make]);
+    const row = this.#row(words.moving(page.solid), [make]);
     row.insertBefore(note, make);
     return row;
   }
@@ -187,7 +187,7 @@ export class TakeAway {
       button("STL", () => this.#save("surface", "stl", stl())),
       button("OBJ", () => this.#save("surface", "obj", obj())),
       button("VTP", () => this.#save("surface", "vtp", vtp())),
-      button("GLB, moving", glb),
+      button(context.words.export.movingGlb, glb),
     ];
   }
 
@@ -197,7 +197,7 @@ export class TakeAway {
   }
 
   #row(name: string, buttons: readonly HTMLButtonElement[]): HTMLElement {
-    for (const one of buttons) one.ariaLabel = `${name}, ${one.textContent}`;
+    for (const one of buttons) one.ariaLabel = this.#root.words.export.asFormat(name, one.textContent);
     return html("li", {}, html("span", { textContent: name }), ...buttons);
   }
 

@@ -69,7 +69,8 @@ export class TimeAxis implements ViewPart {
 
   draw(traces: readonly Trace[], context: Context): void {
     this.#drawn = [traces, context];
-    const { state, units } = context;
+    const { state, units, words } = context;
+    this.#input.ariaLabel = words.time.name(units.time.plain);
     if ((state.end !== this.#end || units.time.factor !== this.#factor) && this.#width > 0) {
       this.#end = state.end;
       this.#factor = units.time.factor;
@@ -82,6 +83,7 @@ export class TimeAxis implements ViewPart {
     if (this.#width === 0) return;
     const key = [
       state.trace,
+      words.quantities[state.trace],
       JSON.stringify(units),
       traces.map(({ query }) => JSON.stringify(query)).join(),
       this.#progress(),
@@ -164,15 +166,16 @@ export class TimeAxis implements ViewPart {
   }
 
   /** The read-out's name and, once its curve is whole, what it spans. */
-  #words({ state, units, errors }: Context, extrapolated: boolean): string {
+  #words({ state, units, errors, words }: Context, extrapolated: boolean): string {
     const [live] = this.#shown;
-    const name = `${extrapolated ? "Extrapolated: " : ""}${nameOf(state.trace, extrapolated)}`;
+    const plain = nameOf(words, state.trace, extrapolated);
+    const name = extrapolated ? words.time.extrapolated(plain) : plain;
     const title = ERRORS.has(state.trace) ? `${name} ${errors.against}` : name;
     if (live === undefined || live.done < POINTS) return title;
     const found = extremes([live]);
-    if (found === undefined) return `${title}: none`;
+    if (found === undefined) return words.time.none(title);
     const [least, most] = found.map((value) => written(state.trace, value, units));
-    return `${title}, ${least} to ${most} ${unitOf(state.trace, units).name}`;
+    return `${title}, ${words.views.span(least ?? "", most ?? "", unitOf(state.trace, units).name)}`;
   }
 }
 

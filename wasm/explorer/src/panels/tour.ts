@@ -4,59 +4,16 @@ const STORED = "capsule-explorer-tour";
 /** Pixels between the words and the part that they are about, and to the window's edge. */
 const GAP = 12;
 
-interface Step {
-  /** The part that it is about: a selector within the explorer, of which the first that has room counts. */
-  readonly part: string;
-  readonly title: string;
-  /** HTML. */
-  readonly words: string;
-}
-
-const STEPS: readonly Step[] = [
-  {
-    part: ".query",
-    title: "Two numbers choose the motion",
-    words: `<p>The capillary number <i class="symbol">Ca</i> = <i class="symbol">μV</i>/<i
-      class="symbol">G</i><sub>s</sub> sets viscous against elastic forces: a large one deforms the capsule more. The
-      confinement <i class="symbol">a/ℓ</i> is its radius against half the channel’s side.</p>
-      <p>Type them, or drag the point on the map. <b>Units…</b> finds them from the sizes of an experiment.</p>`,
-  },
-  {
-    part: ".choices",
-    title: "Two methods on the same data",
-    words: `<p><b>Direct</b> interpolates the motion itself, at any instant. <b>Paper</b> steps in time as the
-      publication does. The stated error says which is closer to the full-order model.</p>
-      <p>Shapes are seen from the laboratory, or from the capsule’s centroid.</p>`,
-  },
-  {
-    // In one column the views have no box around them: the first one then.
-    part: ".figures, .figures .view",
-    title: "One capsule, seen and cut",
-    words: `<p>Each plane has one colour, in space and in its section. The membrane can show its tension, stretch,
-      energy, load or motion, and is cut open to look inside. A band around an outline is as wide as the error’s
-      bound.</p>`,
-  },
-  {
-    part: ".readouts",
-    title: "Numbers, and how far to trust them",
-    words: `<p>Choose one to plot it along time. 95 % of the errors lie below the bound; “≈” marks numbers whose bound
-      is large or unknown. <b>Pin</b> keeps a query, and compares others with it.</p>`,
-  },
-  {
-    part: ".transport",
-    title: "Any instant at once",
-    words: `<p>Play, drag the marker, or type an instant: each is computed directly, in this page, when it is asked for.
-      The buttons beside show and hide the views.</p>`,
-  },
-  {
-    part: ".masthead",
-    title: "Where it comes from, and how to cite it",
-    words: `<p>The model holds simulations of a full-order model, the dots on the map: boundary integrals for the flow,
-      finite elements for the membrane. Its digest names it in every link and file.</p>
-      <p>Cite Boubehziz et al., <cite>Entropy</cite> 2021, 23, 1193, and capsule-rom with the digest; every exported
-      file has both.</p>`,
-  },
-];
+/** The parts that the steps are about: selectors within the explorer, of which the first that has room counts. */
+const PARTS = [
+  ".query",
+  ".choices",
+  // In one column the views have no box around them: the first one then.
+  ".figures, .figures .view",
+  ".readouts",
+  ".transport",
+  ".masthead",
+] as const;
 
 /** A tour of the page: a few words beside one part after another. It starts when somebody asks for it. */
 export class Tour {
@@ -88,7 +45,7 @@ export class Tour {
     });
     this.#back.addEventListener("click", () => this.#go(this.#step - 1));
     this.#next.addEventListener("click", () => {
-      if (this.#step + 1 < STEPS.length) this.#go(this.#step + 1);
+      if (this.#step + 1 < PARTS.length) this.#go(this.#step + 1);
       else this.#dialog.close();
     });
     root.part("close-tour", HTMLButtonElement).addEventListener("click", () => this.#dialog.close());
@@ -96,6 +53,7 @@ export class Tour {
       if (event.key === "Escape") this.#dialog.close();
     });
     this.#dialog.addEventListener("close", () => this.#leave());
+    root.speak(() => this.#say());
     for (const change of ["resize", "scroll"]) {
       window.addEventListener(change, () => this.#place(), { passive: true, capture: true });
     }
@@ -110,17 +68,23 @@ export class Tour {
 
   #go(step: number): void {
     this.#step = step;
-    const { title, words } = STEPS[step] ?? { title: "", words: "" };
-    this.#title.textContent = title;
-    this.#words.innerHTML = words;
-    this.#count.textContent = `${step + 1} of ${STEPS.length}`;
+    this.#say();
     this.#back.disabled = step === 0;
-    this.#next.textContent = step + 1 < STEPS.length ? "Next" : "Done";
     this.#mark();
     this.#part?.scrollIntoView({ block: "nearest" });
     this.#place();
     // A screen reader reads what it names and describes.
     this.#title.focus({ preventScroll: true });
+  }
+
+  #say(): void {
+    const { page, tour } = this.#root.words;
+    const { steps, count, done } = tour;
+    const { title, words } = steps[this.#step] ?? { title: "", words: "" };
+    this.#title.textContent = title;
+    this.#words.innerHTML = words;
+    this.#count.textContent = count(this.#step + 1, PARTS.length);
+    this.#next.textContent = this.#step + 1 < PARTS.length ? page.next : done;
   }
 
   #leave(): void {
@@ -136,7 +100,7 @@ export class Tour {
   }
 
   get #part(): HTMLElement | undefined {
-    const found = this.#root.all<HTMLElement>(STEPS[this.#step]?.part ?? "");
+    const found = this.#root.all<HTMLElement>(PARTS[this.#step] ?? "");
     return found.find((part) => part.getBoundingClientRect().width > 0);
   }
 

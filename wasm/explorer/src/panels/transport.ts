@@ -5,14 +5,6 @@ import type { Units } from "../model/units";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { stepped, timeDigits, writtenTime } from "./time-axis";
 
-const VIEW_NAMES: Record<View, string> = {
-  solid: "3D",
-  midplane: "z = 0",
-  diagonal: "y = z",
-  transversal: "x = c",
-  plots: "Plots",
-  measured: "Outline",
-};
 /** The plane of the transversal section can be moved at least this far from the centroid. */
 const LEAST_REACH = 1.5;
 
@@ -26,6 +18,8 @@ export class Transport implements ViewPart {
   readonly #speed: HTMLSelectElement;
   readonly #section: HTMLInputElement;
   readonly #initial: HTMLInputElement;
+  /** One in the caption of each view that draws it. */
+  readonly #profiles: readonly HTMLInputElement[];
   readonly #offset: HTMLElement;
   #units: Units | undefined;
   readonly #views: Map<View, HTMLButtonElement>;
@@ -38,6 +32,7 @@ export class Transport implements ViewPart {
     this.#speed = root.part("speed", HTMLSelectElement);
     this.#section = root.part("section", HTMLInputElement);
     this.#initial = root.part("initial", HTMLInputElement);
+    this.#profiles = ["profile", "profile-midplane"].map((name) => root.part(name, HTMLInputElement));
     this.#offset = root.part("plane-offset", HTMLElement);
     this.#views = this.#viewButtons();
     this.#play.addEventListener("click", () => this.toggle());
@@ -47,16 +42,19 @@ export class Transport implements ViewPart {
     this.#speed.addEventListener("change", () => store.set({ speed: Number(this.#speed.value) }));
     this.#section.addEventListener("input", () => store.set({ section: this.#section.valueAsNumber }));
     this.#initial.addEventListener("change", () => store.set({ initial: this.#initial.checked }));
+    for (const input of this.#profiles) {
+      input.addEventListener("change", () => store.set({ profile: input.checked }));
+    }
     root.element.addEventListener("keydown", (event) => this.#onKey(event));
   }
 
-  draw([live]: readonly Trace[], { state, units, shows }: Context): void {
+  draw([live]: readonly Trace[], { state, units, shows, words }: Context): void {
     this.#play.ariaPressed = String(state.playing);
-    this.#play.ariaLabel = state.playing ? "Pause" : "Play";
+    this.#play.ariaLabel = state.playing ? words.time.pause : words.page.play;
     this.#units = units;
     this.#time.max = String(state.end * units.time.factor);
     this.#time.step = String(10 ** -(timeDigits(state.end * units.time.factor) - 1));
-    this.#time.ariaLabel = `Time, in ${units.time.plain}`;
+    this.#time.ariaLabel = words.time.name(units.time.plain);
     if (document.activeElement !== this.#time) this.#writeTime(state);
     this.#time.dataset.value = String(state.t);
     this.#root.part("time-unit", HTMLElement).textContent = units.time.name;
@@ -69,6 +67,7 @@ export class Transport implements ViewPart {
     }
     this.#section.value = String(state.section);
     this.#initial.checked = state.initial;
+    for (const input of this.#profiles) input.checked = state.profile;
     this.#speed.value = String(state.speed);
     this.#offset.textContent = `${signed(state.section * units.drawn.factor)} ${units.drawn.name}`;
     for (const [view, toggle] of this.#views) toggle.ariaPressed = String(state.views.has(view));
@@ -89,7 +88,7 @@ export class Transport implements ViewPart {
       this.#time.ariaInvalid = String(t !== wanted);
       const { end } = this.#store.state;
       const last = this.#units === undefined ? "" : writtenTime(end, end, this.#units);
-      this.#time.title = t === wanted ? "" : `The model ends at ${last}: this is that instant`;
+      this.#time.title = t === wanted ? "" : this.#root.words.time.ends(last);
       this.#store.set({ t, playing: false });
     });
     this.#time.addEventListener("blur", () => this.#writeTime(this.#store.state));
@@ -121,12 +120,15 @@ export class Transport implements ViewPart {
   #viewButtons(): Map<View, HTMLButtonElement> {
     const buttons = new Map<View, HTMLButtonElement>();
     for (const view of VIEWS) {
-      const toggle = button(VIEW_NAMES[view], () => {
+      const toggle = button("", () => {
         const views = new Set(this.#store.state.views);
         if (!views.delete(view)) views.add(view);
         this.#store.set({ views: new Set(VIEWS.filter((name) => views.has(name))) });
       });
       toggle.dataset.toggles = view;
+      this.#root.speak(({ views }) => {
+        toggle.textContent = views.toggles[view];
+      });
       buttons.set(view, toggle);
     }
     this.#root.part("shown", HTMLFieldSetElement).append(...buttons.values());

@@ -5,7 +5,7 @@ export function loadFont(): void {
   const face = new FontFace("IBM Plex Sans Variable", `url(${latin}) format("woff2")`, {
     weight: "100 700",
     display: "swap",
-    unicodeRange: "U+0000-00FF, U+2000-206F, U+2212",
+    unicodeRange: "U+0000-00FF, U+0152-0153, U+2000-206F, U+2212",
   });
   document.fonts.add(face);
 }

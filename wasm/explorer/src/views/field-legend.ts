@@ -1,6 +1,7 @@
 import type { Root } from "../app/dom";
 import type { Frame } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Messages } from "../messages/en";
 import { FIELD_PRESENTATION, type FieldName, fieldName } from "../model/fields";
 import type { Units } from "../model/units";
 import type { ColourMap, colours } from "./colours";
@@ -58,7 +59,7 @@ export class FieldLegend {
     return this.#shown === undefined ? undefined : this.#svg;
   }
 
-  draw(shown: FieldShown | undefined, units: Units, isHeld: boolean): void {
+  draw(shown: FieldShown | undefined, units: Units, isHeld: boolean, words: Messages): void {
     this.#shown = shown;
     this.#figure.hidden = shown === undefined;
     if (shown === undefined) return;
@@ -74,13 +75,14 @@ export class FieldLegend {
     // Hundredths of the span, and no zeros at the end.
     const digits = Math.min(12, Math.max(0, 2 - Math.floor(Math.log10((to - from) * unit.factor))));
     const written = (value: number) => label(Number((value * unit.factor).toFixed(digits)) + 0);
-    const name = fieldName(shown.field, shown.frame);
+    const name = fieldName(words, shown.field, shown.frame);
     this.#title.textContent = unit.name === "" ? name : `${name} [${unit.name}]`;
     this.#ends.forEach((end, i) => {
       end.textContent = written(from + (i / 2) * (to - from));
     });
     const [least, most] = shown.extremes;
-    set(this.#svg, { "aria-label": `Colours: ${name}, ${written(least)} to ${written(most)} ${unit.plain}`.trim() });
+    const range = `${written(most)} ${unit.plain}`.trim();
+    set(this.#svg, { "aria-label": words.fields.colours(name, written(least), range) });
     Object.assign(this.#figure.dataset, { least: String(least), most: String(most) });
   }
 }

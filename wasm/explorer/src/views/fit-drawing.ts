@@ -1,4 +1,6 @@
+import type { Root } from "../app/dom";
 import type { Found } from "../identify/protocol";
+import type { Messages } from "../messages/en";
 import { AXES, type Point, type Span } from "./map-geometry";
 import type { Contour } from "./map-layer";
 import { label, onResize, path, set, svg, ticks, tidy } from "./svg";
@@ -12,12 +14,19 @@ const FREE = 0.15;
 export class FitDrawing {
   readonly #fit: SVGSVGElement;
   readonly #regions: SVGSVGElement;
+  #words: Messages["outline"];
   #drawn: readonly [Found | undefined, readonly Contour[]] = [undefined, []];
 
-  constructor(stage: HTMLElement) {
-    const drawing = (name: string) => svg("svg", { role: "img", "aria-label": name }, stage);
-    this.#fit = drawing("Measured points and the fitted outline");
-    this.#regions = drawing("Regions of Ca and a/l that hold the true capsule with 68 and 95 per cent");
+  constructor(root: Root, stage: HTMLElement) {
+    this.#words = root.words.outline;
+    this.#fit = svg("svg", { role: "img" }, stage);
+    this.#regions = svg("svg", { role: "img" }, stage);
+    root.speak(({ outline }) => {
+      this.#words = outline;
+      set(this.#fit, { "aria-label": outline.fit });
+      set(this.#regions, { "aria-label": outline.regions });
+      this.#draw();
+    });
     onResize(stage, () => this.#draw());
   }
 
@@ -51,7 +60,7 @@ export class FitDrawing {
     for (const [x, r] of found.contour) {
       svg("circle", { class: "measured-point", cx: toX(x), cy: toY(x, r), r: 1 }, this.#fit);
     }
-    name(this.#fit, 4, 11, "points: measured; line: fitted");
+    name(this.#fit, 4, 11, this.#words.fitKey);
   }
 
   #drawRegions(found: Found | undefined, regions: readonly Contour[]): void {
@@ -77,8 +86,8 @@ export class FitDrawing {
       name(axis, INSET.left - 7, y + 4, label(tidy(value)), "end");
     }
     name(axis, (INSET.left + right) / 2, height - 3, "Ca", "middle", "axis-name symbol");
-    name(axis, 4, 11, "a/ℓ: regions of 68 and 95 %", "start");
-    for (const region of regions) drawRegion(this.#regions, region, toX, toY);
+    name(axis, 4, 11, this.#words.regionsKey, "start");
+    for (const region of regions) drawRegion(this.#regions, region, toX, toY, this.#words);
     drawBest(this.#regions, { ca: found.answer.ca, confinement: found.answer.confinement }, toX, toY);
   }
 }
@@ -89,10 +98,11 @@ export function drawRegion(
   { label: text, rings }: Contour,
   toX: (ca: number) => number,
   toY: (confinement: number) => number,
+  words: Messages["outline"],
 ): void {
   const ring = (points: readonly (readonly [number, number])[]) => `${path(points.flat(), toX, (_, y) => toY(y))}Z`;
   const region = svg("path", { class: "region-of", d: rings.map(ring).join(""), "fill-rule": "evenodd" }, parent);
-  svg("title", {}, region).textContent = `Region that holds the true capsule with ${text}`;
+  svg("title", {}, region).textContent = words.region(text);
 }
 
 /** The mark of the best fit: a cross. */

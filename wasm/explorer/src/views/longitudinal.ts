@@ -3,6 +3,7 @@ import type { Measured } from "../identify/measured";
 import type { Found } from "../identify/protocol";
 import type { Outline } from "../model/answer";
 import type { Need } from "../model/capsule";
+import { flowProfile, REACH_OF_V } from "./flow";
 import { hatch, label, onResize, path, set, smoothLoop, svg, tidy } from "./svg";
 import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
@@ -12,6 +13,10 @@ const AXIS_HEIGHT = 34;
 const AXIS_WIDTH = 30;
 /** Where the window begins, so that nothing is drawn. */
 const AWAY = -10;
+/** Where the profile of the flow begins: from the edge of the window, in l. */
+const FLOW_INSET = 0.3;
+/** Size of an arrow's head in pixels. */
+const HEAD = 5;
 
 /** A section along the channel, cut by its walls at r = +-wall. The window follows the capsule. */
 export class Longitudinal implements ViewPart {
@@ -26,6 +31,8 @@ export class Longitudinal implements ViewPart {
   readonly #points: SVGPathElement;
   readonly #picture: SVGGElement;
   readonly #plane: SVGLineElement;
+  readonly #flow: SVGPathElement;
+  readonly #flowValue: SVGTextElement;
   readonly #ticks: SVGGElement;
   readonly #axis: SVGGElement;
   readonly #wall: number;
@@ -50,8 +57,10 @@ export class Longitudinal implements ViewPart {
     const stage = root.part(outline, HTMLElement);
     this.#outline = outline;
     this.#wall = outline === "midplane" ? 1 : Math.SQRT2;
-    const name = outline === "midplane" ? "plane z = 0" : "diagonal plane y = z";
-    this.#svg = svg("svg", { role: "img", "aria-label": `Section of the capsule in the ${name}` }, stage);
+    this.#svg = svg("svg", { role: "img" }, stage);
+    root.speak(({ views }) => {
+      set(this.#svg, { "aria-label": outline === "midplane" ? views.sectionZ : views.sectionYZ });
+    });
     const fill = hatch(this.#svg, root.id(`hatch-${outline}`));
     this.#pattern = this.#svg.querySelector("pattern");
     const clipId = root.id(`clip-${outline}`);
@@ -62,6 +71,8 @@ export class Longitudinal implements ViewPart {
       this.#walls.push(svg("rect", { fill, class: "outside" }, plot), svg("line", { class: "wall" }, plot));
     }
     this.#picture = svg("g", {}, plot);
+    this.#flow = svg("path", { class: "flow" }, plot);
+    this.#flowValue = svg("text", { class: "flow-value" }, plot);
     this.#shapes = svg("g", {}, plot);
     this.#initial = svg("path", { class: "initial" }, plot);
     this.#band = svg("path", { class: "band" }, plot);
@@ -164,6 +175,7 @@ export class Longitudinal implements ViewPart {
       const cut = context.shows("transversal") ? toX((laboratory ? answer.centroid : 0) + state.section) : AWAY;
       set(this.#plane, { x1: cut, x2: cut, y1: this.#toY(this.#wall), y2: this.#toY(-this.#wall) });
     }
+    this.#drawFlow(answer?.read("velocity"), context);
     this.#drawMeasured(answer === undefined ? AWAY : toX(laboratory ? answer.centroid : 0));
     this.#shapes.replaceChildren(
       ...pinned.flatMap(({ name, answer: pin }) =>
@@ -173,6 +185,37 @@ export class Longitudinal implements ViewPart {
       ),
     );
     this.#drawTicks(visible, context, laboratory);
+  }
+
+  /** The undisturbed flow's profile at the left edge, in the frame that the section is seen in, with its largest value. */
+  #drawFlow(capsule: number | undefined, { state, units }: Context): void {
+    const isLaboratory = state.frame === "laboratory";
+    const isShown = this.#outline === "midplane" && state.profile && (isLaboratory || capsule !== undefined);
+    if (!isShown) {
+      set(this.#flow, { d: "" });
+      this.#flowValue.textContent = "";
+      return;
+    }
+    const frame = isLaboratory ? 0 : (capsule ?? 0);
+    const { curve, arrows } = flowProfile(frame);
+    const start = AXIS_WIDTH + (FLOW_INSET + REACH_OF_V * frame) * this.#scale;
+    const to = ([reach, y]: readonly [number, number]) => [start + reach * this.#scale, this.#toY(y)] as const;
+    const profile = curve.map((place) =>
+      to(place)
+        .map((at) => at.toFixed(2))
+        .join(" "),
+    );
+    const heads = arrows.map((place) => {
+      const [x, y] = to(place);
+      const back = Math.sign(x - start) * HEAD;
+      const head = Math.abs(x - start) < HEAD ? "" : `m${-back} ${-HEAD / 2}l${back} ${HEAD / 2}l${-back} ${HEAD / 2}`;
+      return `M${start} ${y}H${x}${head}`;
+    });
+    set(this.#flow, { d: `M${start} ${this.#toY(-1)}V${this.#toY(1)}M${profile.join("L")}${heads.join("")}` });
+    const most = Math.max(...curve.map(([reach]) => reach)) / REACH_OF_V;
+    const { name, factor } = units.velocity;
+    set(this.#flowValue, { x: start + most * REACH_OF_V * this.#scale + 4, y: this.#toY(0) - 5 });
+    this.#flowValue.textContent = `${label(Number((most * factor).toPrecision(3)))} ${name}`;
   }
 
   /** The measured outline and its picture, with the centroid that it was fitted to at a place of the drawing. */

@@ -2,6 +2,7 @@ import type { Root } from "../app/dom";
 import type { Scale } from "../app/schema";
 import type { Measured } from "../identify/measured";
 import { writtenMisfit } from "../identify/misfit-grid";
+import type { Messages } from "../messages/en";
 import type { Capsule, Need } from "../model/capsule";
 import { measure } from "../model/quantities";
 import type { Unit } from "../model/units";
@@ -70,6 +71,7 @@ export class ParameterMap implements ViewPart {
   #contoured: readonly Contour[] | undefined;
   #point: Point = { ca: 0, confinement: 0 };
   #capsule: Capsule | undefined;
+  #words: Messages;
   #scale: Scale = "linear";
   #hasSamples = true;
   /** Contours of the layer, which another part computes. */
@@ -81,7 +83,6 @@ export class ParameterMap implements ViewPart {
     this.#onChoice = onChoice;
     this.#svg = svg("svg");
     this.#svg.setAttribute("role", "group");
-    this.#svg.setAttribute("aria-label", "Map of the parameter domain");
     this.#fill = hatch(this.#svg, root.id("hatch-map"));
     this.#limitId = root.id("steady-limit");
     this.#jumpId = root.id("jump-border");
@@ -102,10 +103,16 @@ export class ParameterMap implements ViewPart {
     this.#grip = svg("circle", { class: "grip", r: 22 }, this.#svg);
     set(this.#handle, {
       id: root.id("map-point"),
-      "aria-label": "Capillary number and confinement; arrow keys move, with Shift in finer steps",
       "aria-orientation": "horizontal",
     });
     stage.replaceChildren(this.#svg);
+    this.#words = root.words;
+    root.speak((words) => {
+      this.#words = words;
+      set(this.#svg, { "aria-label": words.map.name });
+      set(this.#handle, { "aria-label": words.map.point });
+      if (this.#width > 0) this.#layOut();
+    });
     onResize(stage, (width, height) => {
       this.#width = width;
       this.#height = height;
@@ -139,7 +146,7 @@ export class ParameterMap implements ViewPart {
     this.#traces = traces;
     this.#tell = ({ ca, confinement }) => {
       if (state.layer === "misfit" && this.#measured.found !== undefined) {
-        return writtenMisfit(this.#measured.misfit({ ca, confinement }));
+        return writtenMisfit(this.#words, this.#measured.misfit({ ca, confinement }));
       }
       const [value = Number.NaN] = capsule.grid(
         "hover",
@@ -148,7 +155,7 @@ export class ParameterMap implements ViewPart {
         state.t,
         state.method,
       );
-      return Number.isNaN(value) ? "no answer" : measure(state.trace, value, units);
+      return Number.isNaN(value) ? this.#words.map.noAnswer : measure(this.#words, state.trace, value, units);
     };
     this.#show();
   }
@@ -202,7 +209,9 @@ export class ParameterMap implements ViewPart {
 
   /** The misfit of the chosen point, for its name. */
   #misfit(): string {
-    return this.#measured.found === undefined ? "" : `, ${writtenMisfit(this.#measured.misfit(this.#point))}`;
+    return this.#measured.found === undefined
+      ? ""
+      : `, ${writtenMisfit(this.#words, this.#measured.misfit(this.#point))}`;
   }
 
   /** The capsule that fits the measured outline best, with its regions and its verdict. */
@@ -210,8 +219,9 @@ export class ParameterMap implements ViewPart {
     const { found, regions } = this.#measured;
     this.#answer.replaceChildren();
     if (found === undefined) return;
-    const { ca, confinement, verdict, alternative } = found.answer;
-    for (const region of regions) drawRegion(this.#answer, region, this.#toX, this.#toY);
+    const { ca, confinement, alternative } = found.answer;
+    const words = this.#words.outline;
+    for (const region of regions) drawRegion(this.#answer, region, this.#toX, this.#toY, words);
     if (alternative !== undefined) drawBest(this.#answer, alternative, this.#toX, this.#toY);
     drawBest(this.#answer, { ca, confinement }, this.#toX, this.#toY);
     const [x, y] = [this.#toX(ca), this.#toY(confinement)];
@@ -221,7 +231,8 @@ export class ParameterMap implements ViewPart {
       { class: "region", x: x + (isRight ? -9 : 9), y: y - 9, "text-anchor": isRight ? "end" : "start" },
       this.#answer,
     );
-    written(text, `best fit: ${verdict}`);
+    const [verdict] = words.verdicts[found.answer.verdict] ?? [found.answer.verdict];
+    written(text, this.#words.map.bestFit(verdict));
   }
 
   /** The regions above the levels of the layer, laid over one another, each with its level on its longest ring. */
@@ -287,7 +298,7 @@ export class ParameterMap implements ViewPart {
       svg("rect", { class: "border", x: least, y: high, width: most - least, height: low - high }),
       // From left to right, so that the name along it stands upright.
       svg("path", { class: "limit", d: `M${border.toReversed().join("L")}`, id: this.#limitId }),
-      this.#nameAlong(this.#limitId, "largest steady Ca", "30%"),
+      this.#nameAlong(this.#limitId, this.#words.map.steadyLimit, "30%"),
       ...this.#jump(),
     ];
     for (let i = 0; this.#hasSamples && i + 1 < samples.length; i += 2) {
@@ -336,7 +347,7 @@ export class ParameterMap implements ViewPart {
     if (points.length < 2) return [];
     return [
       svg("path", { class: "jump", d: `M${points.toReversed().join("L")}`, id: this.#jumpId }),
-      this.#nameAlong(this.#jumpId, "jump", "20%"),
+      this.#nameAlong(this.#jumpId, this.#words.map.jump, "20%"),
     ];
   }
 
@@ -350,7 +361,8 @@ export class ParameterMap implements ViewPart {
       written(svg("text", { class: "region", x, y: y + dy, "text-anchor": "end" }), text);
     const { end, time } = this.#domain;
     const before = time.factor === 1 ? `${end}` : `${tidy(end * time.factor)} ${time.name}`;
-    return [line("no steady state", 0), line(`before t = ${before}`, 16)];
+    const { unsteady, before: by } = this.#words.map;
+    return [line(unsteady, 0), line(by(before), 16)];
   }
 
   /** Begins to drag. A finger on the bare map may want to scroll the page: there it chooses by a tap. */

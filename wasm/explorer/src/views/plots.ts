@@ -9,12 +9,6 @@ import { type Context, type Trace, traceClass, type ViewPart } from "./view";
 
 const INSET = { left: 46, right: 8, top: 20, bottom: 20 };
 
-const NAMES: Record<Along, string> = {
-  time: "along time",
-  ca: "along Ca, steady",
-  confinement: "along a/ℓ, steady",
-};
-
 /** All read-outs as small plots, one beside the other: along time, stretched at the start, or along a parameter. */
 export class Plots implements ViewPart {
   readonly needs: readonly Need[] = [];
@@ -26,7 +20,11 @@ export class Plots implements ViewPart {
   constructor(root: Root, store: Store, courses: Courses) {
     this.#courses = courses;
     this.#choice = root.part("along", HTMLSelectElement);
-    this.#choice.append(...ALONG.map((value) => html("option", { value, textContent: NAMES[value] })));
+    const options = ALONG.map((value) => html("option", { value }));
+    root.speak(({ views }) => {
+      for (const [i, value] of ALONG.entries()) options[i]?.replaceChildren(views.along[value]);
+    });
+    this.#choice.append(...options);
     this.#choice.addEventListener("change", () => {
       const along = ALONG.find((value) => value === this.#choice.value);
       if (along !== undefined) store.set({ along });
@@ -69,7 +67,7 @@ class Plot {
 
   constructor(stage: HTMLElement, quantity: Quantity, onSize: () => void) {
     this.quantity = quantity;
-    this.#svg = svg("svg", { role: "img", class: "plot", "aria-label": PRESENTATION[quantity].name }, stage);
+    this.#svg = svg("svg", { role: "img", class: "plot" }, stage);
     const { plane } = PRESENTATION[quantity];
     if (plane !== undefined) this.#svg.dataset.plane = plane;
     this.#axis = svg("g", { class: "axis" }, this.#svg);
@@ -93,9 +91,9 @@ class Plot {
     };
     const toX = (at: number) => INSET.left + place(at) * (width - INSET.left - INSET.right);
     const key = [along, width, height, JSON.stringify(context.units), ...courses.map(({ done }) => done)].join();
-    const queries = JSON.stringify(traces.map(({ query }) => query));
-    if (key + queries !== this.#key) {
-      this.#key = key + queries;
+    const rest = JSON.stringify([nameOf(context.words, this.quantity, false), traces.map(({ query }) => query)]);
+    if (key + rest !== this.#key) {
+      this.#key = key + rest;
       const range = this.#range(courses, context);
       const bottom = height - INSET.bottom;
       const toY = (value: number) => bottom - ((value - range[0]) / (range[1] - range[0])) * (bottom - INSET.top);
@@ -131,20 +129,20 @@ class Plot {
     toX: (at: number) => number,
     toY: (value: number) => number,
     along: Along,
-    { units }: Context,
+    { units, words }: Context,
   ): void {
     const scale = along === "time" ? units.time.factor : 1;
     const bottom = height - INSET.bottom;
     const { name, factor } = unitOf(this.quantity, units);
     const title = svg("text", { class: "axis-name", x: INSET.left, y: 12 });
-    title.textContent = `${PRESENTATION[this.quantity].name} [${name}]`;
+    title.textContent = `${nameOf(words, this.quantity, false)} [${name}]`;
     const parts: Element[] = [
       title,
       svg("path", { d: `M${INSET.left} ${INSET.top}V${bottom}H${width - INSET.right}`, fill: "none" }),
     ];
-    const text = (words: string, attributes: Record<string, string | number>) => {
+    const text = (content: string, attributes: Record<string, string | number>) => {
       const made = svg("text", attributes);
-      made.textContent = words;
+      made.textContent = content;
       parts.push(made);
     };
     for (const value of ticks(low * factor, high * factor, niceStep((high - low) * factor, 3))) {
@@ -166,12 +164,13 @@ class Plot {
     this.#axis.replaceChildren(...parts);
   }
 
-  #words(course: Course, along: Along, { units }: Context): string {
+  #words(course: Course, along: Along, { units, words }: Context): string {
     const { name, plain, factor } = unitOf(this.quantity, units);
     const found = extremes([course]);
     const digits = (value: number) => String(Number((value * factor).toPrecision(4)));
-    const span = found === undefined ? "no values" : `${digits(found[0])} to ${digits(found[1])} ${plain || name}`;
-    return `${nameOf(this.quantity, false)} ${NAMES[along]}: ${span}`;
+    const { curve, along: alongs, noValues, span } = words.views;
+    const values = found === undefined ? noValues : span(digits(found[0]), digits(found[1]), plain || name);
+    return curve(nameOf(words, this.quantity, false), alongs[along], values);
   }
 }
 

@@ -1,11 +1,8 @@
 import { button, html, type Root } from "../app/dom";
-import { CAMERAS, type Camera, CLIPS, type Clip, COLOURS, type Colour, type State } from "../app/schema";
+import { CAMERAS, type Camera, CLIPS, COLOURS, type State } from "../app/schema";
 import type { Store } from "../app/store";
 import type { Capsule } from "../model/capsule";
-import { FIELD_PRESENTATION, isMechanics } from "../model/fields";
-
-const CLIP_NAMES: Record<Clip, string> = { none: "Whole", y: "Cut at y = 0", z: "Cut at z = 0" };
-const CAMERA_NAMES: Record<Camera, string> = { oblique: "Oblique", side: "Side", front: "Front" };
+import { isMechanics } from "../model/fields";
 
 /** The choices above the space view: colours, a plane to cut the capsule open, and where it is seen from. */
 export class SolidControls {
@@ -16,9 +13,10 @@ export class SolidControls {
   constructor(root: Root, store: Store, look: (from: Camera) => void) {
     this.#colour = root.part("colour", HTMLSelectElement);
     this.#clip = root.part("clip", HTMLSelectElement);
-    const nameOf = (colour: Colour) => (colour === "none" ? "Plain" : FIELD_PRESENTATION[colour].name);
-    this.#colour.append(...COLOURS.map((value) => html("option", { value, textContent: nameOf(value) })));
-    this.#clip.append(...CLIPS.map((value) => html("option", { value, textContent: CLIP_NAMES[value] })));
+    const colours = COLOURS.map((value) => html("option", { value }));
+    const clips = CLIPS.map((value) => html("option", { value }));
+    this.#colour.append(...colours);
+    this.#clip.append(...clips);
     this.#colour.addEventListener("change", () => {
       const colour = COLOURS.find((value) => value === this.#colour.value);
       // A scale that is held is one of the field before.
@@ -33,12 +31,21 @@ export class SolidControls {
       look(camera);
     };
     const buttons = CAMERAS.map((camera, i) => {
-      const made = button(CAMERA_NAMES[camera], () => go(camera));
-      made.title = `Look from there (${i + 1})`;
+      const made = button("", () => go(camera));
       made.setAttribute("aria-keyshortcuts", String(i + 1));
       return made;
     });
     root.part("cameras", HTMLElement).append(...buttons);
+    root.speak(({ space, fields }) => {
+      for (const [i, colour] of COLOURS.entries()) {
+        colours[i]?.replaceChildren(colour === "none" ? space.colours.none : fields[colour]);
+      }
+      for (const [i, clip] of CLIPS.entries()) clips[i]?.replaceChildren(space.clips[clip]);
+      for (const [i, camera] of CAMERAS.entries()) {
+        buttons[i]?.replaceChildren(space.cameras[camera]);
+        buttons[i]?.setAttribute("title", space.look(i + 1));
+      }
+    });
     root.element.addEventListener("keydown", (event) => {
       const isTyped = event.target instanceof Element && event.target.closest("input, select, dialog") !== null;
       if (event.ctrlKey || event.altKey || event.metaKey || isTyped) return;

@@ -1,15 +1,19 @@
 import { button, html, type Root } from "../app/dom";
 import type { Camera } from "../app/schema";
 import type { Store } from "../app/store";
+import type { Messages } from "../messages/en";
 import type { Answer } from "../model/answer";
 import type { Need } from "../model/capsule";
 import { colourSpan, extremesOf, FIELD_PRESENTATION, isMechanics } from "../model/fields";
 import { cutPoints, loopPoints } from "./cuts";
 import { FieldLegend, type FieldShown } from "./field-legend";
+import { type FlowProfile, flowLines, flowProfile, REACH_OF_V } from "./flow";
 import type { Cut, Solid, SolidBody, SolidScene } from "./solid";
 import { SolidControls } from "./solid-controls";
 import type { Context, Trace, ViewPart } from "./view";
 
+/** Where the arrows of the flow begin in the laboratory frame, from the centroid, in l. */
+const FLOW_AT = -3.2;
 const OUTLINES = ["midplane", "diagonal"] as const;
 
 /** The space view: it loads `three` when it is first drawn, and says what to do where there is no WebGL. */
@@ -31,6 +35,9 @@ export class SolidView implements ViewPart {
     this.#root = root;
     this.#store = store;
     this.#stage = root.part("solid", HTMLElement);
+    root.speak(({ page }) => {
+      this.#stage.dataset.none = page.noShape;
+    });
     this.#controls = new SolidControls(root, store, (from) => this.#look(from));
   }
 
@@ -72,31 +79,36 @@ export class SolidView implements ViewPart {
     try {
       const [{ Solid }, { colours }] = await Promise.all([import("./solid"), import("./colours")]);
       const solid = new Solid(this.#stage, {
-        lost: () => this.#say("The browser has taken the graphics card away from this view.", true),
-        restored: () => this.#stage.querySelector(".missing")?.remove(),
+        lost: () => this.#say(({ lost }) => lost, true),
+        restored: () => this.#clear(),
       });
+      this.#root.speak((words) => solid.speak(words.space));
       solid.look(this.#camera);
       this.#legend ??= new FieldLegend(this.#root, this.#store, colours);
       this.#made = solid;
     } catch {
       this.#stage.replaceChildren();
-      this.#say(
-        "This view needs WebGL, which this browser does not offer. The sections and all figures work without it; " +
-          "to see the capsule in space, turn on hardware acceleration or use another browser.",
-        false,
-      );
+      this.#say(({ noWebGl }) => noWebGl, false);
       this.#made = null;
     }
     return this.#made;
   }
 
-  #say(words: string, isAgain: boolean): void {
-    this.#stage.querySelector(".missing")?.remove();
+  #say(say: (words: Messages["space"]) => string, isAgain: boolean): void {
+    this.#clear();
     // Nothing is drawn until the view renders again.
     delete this.#stage.dataset.rendered;
-    const message = html("div", { className: "missing" }, html("p", { textContent: words }));
-    if (isAgain) message.append(button("Start the 3D view again", () => this.#restart()));
-    this.#stage.append(message);
+    const words = html("p");
+    const restart = button("", () => this.#restart());
+    this.#stage.append(html("div", { className: "missing" }, words, ...(isAgain ? [restart] : [])));
+    this.#root.speak(({ space }) => {
+      words.textContent = say(space);
+      restart.textContent = space.startAgain;
+    });
+  }
+
+  #clear(): void {
+    this.#stage.querySelector(".missing")?.remove();
   }
 
   /** Makes the view anew, with a new context. */
@@ -119,7 +131,7 @@ export class SolidView implements ViewPart {
     }
     if (context.state.camera !== this.#camera) this.#look(context.state.camera);
     const field = fieldOf(traces, context);
-    this.#legend?.draw(field, context.units, context.state.range.length > 0);
+    this.#legend?.draw(field, context.units, context.state.range.length > 0, context.words);
     this.#made.draw(sceneOf(traces, context, field));
   }
 }
@@ -178,5 +190,12 @@ function sceneOf(traces: readonly Trace[], context: Context, field: FieldShown |
     cuts,
     map: field?.map ?? "sequential",
     clip: state.clip,
+    flow: state.profile && context.capsule.has("channel") ? flowLines(...flowOf(live, laboratory)) : undefined,
   };
+}
+
+/** The undisturbed flow in the frame, and where its arrows begin: with the capsule they point both ways. */
+function flowOf(live: Answer, isLaboratory: boolean): [FlowProfile, number] {
+  const frame = isLaboratory ? 0 : (live.read("velocity") ?? 0);
+  return [flowProfile(frame), FLOW_AT + REACH_OF_V * frame];
 }

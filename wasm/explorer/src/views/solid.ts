@@ -5,6 +5,8 @@ import {
   DoubleSide,
   HemisphereLight,
   type InterleavedBufferAttribute,
+  LineBasicMaterial,
+  LineSegments,
   Mesh,
   MeshStandardMaterial,
   PerspectiveCamera,
@@ -21,6 +23,7 @@ import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import type { Camera, Clip } from "../app/schema";
+import type { Messages } from "../messages/en";
 import { Channel, fadeOut, REACH } from "./channel";
 import { type ColourMap, colourTexture } from "./colours";
 import { label, onResize, tidy } from "./svg";
@@ -55,6 +58,8 @@ export interface SolidScene {
   /** The map that the bodies with such coordinates are coloured by. */
   readonly map: ColourMap;
   readonly clip: Clip;
+  /** Pairs of ends of the lines that draw the undisturbed flow; undefined where it is not to be shown. */
+  readonly flow: Float32Array | undefined;
 }
 
 /** Called when the browser takes the graphics context away, and when it gives it back. */
@@ -89,6 +94,7 @@ export class Solid {
   readonly #initial = new Mesh(new BufferGeometry(), this.#ghost);
   readonly #channel = new Channel();
   readonly #cuts: Record<Cut, Line2> = { midplane: cutLine(), diagonal: cutLine(), transversal: cutLine() };
+  readonly #flow = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
   readonly #labels = document.createElement("div");
   readonly #stage: HTMLElement;
   /** A mesh for each body; the first is the live one's. */
@@ -103,6 +109,7 @@ export class Solid {
   #height = 1;
   #origin = 0;
   #factor = 1;
+  #live = "";
 
   /** Throws when the browser has no WebGL. */
   constructor(stage: HTMLElement, { lost, restored }: ContextListener) {
@@ -113,10 +120,6 @@ export class Solid {
     const canvas = this.#renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute(
-      "aria-label",
-      "Capsule in the channel, in space. Drag or use the arrow keys to turn, + and − to zoom.",
-    );
     canvas.addEventListener("webglcontextlost", lost);
     canvas.addEventListener("webglcontextrestored", () => {
       restored();
@@ -128,13 +131,14 @@ export class Solid {
 
     this.#initial.renderOrder = 2;
     this.#initial.frustumCulled = false;
+    this.#flow.frustumCulled = false;
     const key = new DirectionalLight(0xffffff, 1.9);
     key.position.set(-3, -5, 7);
     const rim = new DirectionalLight(0xffffff, 0.7);
     rim.position.set(6, 5, -2);
     const sky = new HemisphereLight(0xffffff, 0x8a98a3, 1.5);
     sky.position.set(0, 0, 1);
-    this.#scene.add(sky, key, rim, this.#initial, this.#channel.group, ...Object.values(this.#cuts));
+    this.#scene.add(sky, key, rim, this.#initial, this.#channel.group, this.#flow, ...Object.values(this.#cuts));
 
     this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, canvas);
@@ -155,6 +159,13 @@ export class Solid {
       this.#frameCapsule();
       this.#render();
     });
+  }
+
+  /** Names the picture, and the live capsule beside pinned ones. */
+  speak({ canvas, live }: Messages["space"]): void {
+    this.#renderer.domElement.ariaLabel = canvas;
+    this.#live = live;
+    this.#render();
   }
 
   /** Sets the surface's triangles, which all positions that follow refer to. */
@@ -182,6 +193,7 @@ export class Solid {
     });
     this.#ghost.color.set(colour("wall"));
     this.#channel.colour = colour("wall");
+    this.#flow.material.color.set(colour("ink-soft"));
     for (const [plane, line] of Object.entries(this.#cuts)) line.material.color.set(colour(plane));
     this.#render();
   }
@@ -204,6 +216,7 @@ export class Solid {
     const isPainted = painted !== this.#painted;
     this.#painted = painted;
     this.#initial.visible = scene?.initial !== undefined;
+    this.#flow.visible = scene?.flow !== undefined;
     for (const line of Object.values(this.#cuts)) line.visible = false;
     if (scene !== undefined) this.#place(scene);
     if (isNew || isPainted) this.recolour();
@@ -237,6 +250,7 @@ export class Solid {
       replace(this.#initial.geometry, "normal", scene.initial.normals);
       this.#initial.position.x = scene.initial.shift;
     }
+    if (scene.flow !== undefined) replace(this.#flow.geometry, "position", scene.flow);
     for (const { plane, points } of scene.cuts) {
       if (points.length < 6) continue;
       const line = this.#cuts[plane];
@@ -324,7 +338,7 @@ export class Solid {
       this.#meshes.forEach((mesh, i) => {
         mesh.visible = i === part && i < this.#shown.length;
       });
-      for (const own of [this.#initial, ...Object.values(this.#cuts)]) own.layers.set(isLive ? 0 : 1);
+      for (const own of [this.#initial, this.#flow, ...Object.values(this.#cuts)]) own.layers.set(isLive ? 0 : 1);
       this.#renderer.setViewport(part * width, 0, width, this.#height);
       this.#renderer.setScissor(part * width, 0, width, this.#height);
       this.#renderer.clear();
@@ -345,7 +359,7 @@ export class Solid {
       const part = i - (2 * REACH + 1);
       if (part >= 0) {
         const name = this.#shown.length > 1 ? this.#shown[part] : undefined;
-        span.textContent = name === undefined ? "" : name === "live" ? "Live" : name;
+        span.textContent = name === undefined ? "" : name === "live" ? this.#live : name;
         span.style.opacity = "1";
         span.style.transform = `translate(${((part + 0.5) * width).toFixed(1)}px, 8px)`;
         return;

@@ -24,7 +24,8 @@ export class Transversal implements ViewPart {
 
   constructor(root: Root) {
     const stage = root.part("transversal", HTMLElement);
-    this.#svg = svg("svg", { role: "img", "aria-label": "Section of the capsule across the channel" }, stage);
+    this.#svg = svg("svg", { role: "img" }, stage);
+    root.speak(({ views }) => set(this.#svg, { "aria-label": views.sectionAcross }));
     this.#fill = hatch(this.#svg, root.id("hatch-transversal"));
     this.#frame = svg("g", { class: "axis" }, this.#svg);
     this.#planes = svg("g", { class: "planes" }, this.#svg);
@@ -108,7 +109,7 @@ export class Transversal implements ViewPart {
     set(this.#membrane, { d, class: `membrane${live?.answer?.isUncertain === true ? " uncertain" : ""}` });
     const band = 2 * (live?.answer?.band ?? 0) * (live?.radius ?? 1) * this.#scale;
     set(this.#band, { d, "stroke-width": band });
-    this.#miss.textContent = curves?.length === 0 ? "The plane misses the capsule." : "";
+    this.#miss.textContent = curves?.length === 0 ? context.words.views.missed : "";
     this.#pins.replaceChildren(
       ...pinned.flatMap(({ name, answer }) =>
         answer === undefined ? [] : [svg("path", { class: traceClass(name), d: loops(answer.transversal(section)) })],

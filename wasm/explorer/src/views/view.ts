@@ -1,4 +1,5 @@
 import type { PinName, Query, State, View } from "../app/schema";
+import type { Messages } from "../messages/en";
 import type { Answer } from "../model/answer";
 import type { Capsule, Need } from "../model/capsule";
 import type { ErrorMeaning } from "../model/errors";
@@ -22,6 +23,8 @@ export interface Context {
   readonly capsule: Capsule;
   readonly units: Units;
   readonly errors: ErrorMeaning;
+  /** What is said, in the language of the page. */
+  readonly words: Messages;
   /** Whether a view is open and the model offers it. */
   readonly shows: (view: View) => boolean;
 }

@@ -1,0 +1,228 @@
+// The page in French: no word of English is left in any view or state, it is as accessible and as narrow as the other
+// one, and the choice of the language holds. Words of the core are marked as English.
+
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { resolve } from "node:path";
+import { describe, test } from "node:test";
+import { drop, identified, pointsText, SETUP, section } from "./outlines.mjs";
+import { explorer, FLAT, settled } from "./support.mjs";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const EXPLORER = resolve(import.meta.dirname, "../../wasm/explorer");
+const VIEWS = "&views=midplane.diagonal.transversal.plots.measured";
+const TOUR_STEPS = 6;
+
+const { open, onPage } = explorer();
+const language = (page) => page.getAttribute("html", "lang");
+
+/** All texts of the page, seen or not, and its names, hints and values in words; but for those of the core. */
+function textsOf(page) {
+  return page.evaluate(() => {
+    const isOwn = (element) =>
+      element?.closest("script, style, noscript, dd[data-own], #model, #measured-file, #language, #help cite") ===
+        null && element.closest('[lang="en"]:not(html, body)') === null;
+    const found = [];
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) if (isOwn(walker.currentNode.parentElement)) found.push(walker.currentNode.data);
+    for (const element of document.querySelectorAll("[aria-label], [title], [placeholder], [aria-valuetext], [alt]")) {
+      if (!isOwn(element)) continue;
+      for (const name of ["aria-label", "title", "placeholder", "aria-valuetext", "alt"]) {
+        found.push(element.getAttribute(name) ?? "");
+      }
+    }
+    return found.map((text) => text.replace(/\s+/g, " ").trim()).filter((text) => text !== "");
+  });
+}
+
+/** Brings the page into one state after another, and gathers its texts. */
+async function walk(tongue, points) {
+  const texts = new Set();
+  const gather = async (page) => {
+    await settled(page);
+    for (const text of await textsOf(page)) texts.add(text);
+  };
+  const states = [
+    `#ca=0.08&al=0.9&t=3&pins=A:direct:0.1,0.9&layer=error_bound${VIEWS}`,
+    `#ca=0.13&al=0.95&t=3&extrapolate=1&along=ca&trace=error_bound${VIEWS}`,
+    `#ca=0.1&al=0.9&t=3&m=01234567&file=own.crom&dims=100,1,10&frame=centroid${FLAT}`,
+    `#ca=0.9&al=0.9${FLAT}`,
+    `#ca=0.15&al=1.1&t=20&extrapolate=1${FLAT}`,
+    "#ca=0.1&al=0.9&views=solid&colour=velocity&clip=y",
+  ];
+  for (const state of states) {
+    const { page, close } = await open(`?lang=${tongue}${state}`, { viewport: { width: 720, height: 560 } });
+    if (state.includes("solid")) await page.waitForSelector("#solid[data-rendered] ~ #field:not([hidden])");
+    await page.waitForTimeout(900);
+    await gather(page);
+    await close();
+  }
+  const { page, close } = await open(`?lang=${tongue}#ca=0.06&al=0.95&t=3&views=midplane.measured`);
+  await page.keyboard.press("Space");
+  await gather(page);
+  await page.keyboard.press("Space");
+  for (const dialog of ["take-away", "units", "help"]) {
+    await page.click(`#open-${dialog}`);
+    await gather(page);
+    await page.click(`#close-${dialog}`);
+  }
+  await page.fill("#time-value", "30");
+  await gather(page);
+  await page.click("#open-tour");
+  for (let i = 0; i < TOUR_STEPS; i++) {
+    await gather(page);
+    await page.click("#tour-next");
+  }
+  await drop(page, "points.csv", pointsText(points));
+  await gather(page);
+  await page.evaluate((fragment) => {
+    window.location.hash += fragment;
+  }, `${SETUP}&layer=misfit`);
+  await identified(page);
+  await page.hover("#map-surface");
+  await gather(page);
+  await page.setInputFiles("#model-file", { name: "no.json", mimeType: "", buffer: Buffer.from("{}") });
+  await page.waitForSelector("#failure:not([hidden])");
+  await gather(page);
+  await close();
+  return texts;
+}
+
+/** Words that are the same in both languages, or names: no text of the page has others in common. */
+const SHARED = new Set(
+  (
+    "CapsuleExplorer Capsule Explorer Confinement Volume Pause Oblique Tension pixels Figures CSV JSON HTML SVG PNG STL " +
+    "OBJ VTP GLB MP4 live Licences Membrane own crom Entropy mPa mN pixels Extrapolation"
+  ).split(" "),
+);
+
+describe("the page in French", () => {
+  test("has no English text in any view or state", async () => {
+    const points = await section(0.06, 0.95);
+    const [english, french] = [await walk("en", points), await walk("fr", points)];
+    assert.ok(english.size > 250 && french.size > 250, `${english.size} and ${french.size} texts`);
+    const words = (text) => (text.match(/\p{L}{3,}/gu) ?? []).filter((word) => !SHARED.has(word));
+    const common = [...french].filter((text) => english.has(text) && words(text).length > 0);
+    assert.deepEqual(common, []);
+    // Of texts that are put together no part is left either.
+    const small = /(?<!\p{L})(the|of|and|with|is|are|by|no|error|model|against|from)(?!\p{L})/iu;
+    assert.deepEqual(
+      [...french].filter((text) => small.test(text)),
+      [],
+    );
+  });
+
+  for (const [situation, options] of [
+    ["desktop, light", { colorScheme: "light" }],
+    ["phone, dark", { viewport: { width: 394, height: 800 }, colorScheme: "dark" }],
+  ]) {
+    test(`is accessible and not wider than the window: ${situation}`, async () => {
+      const { page, close } = await open(
+        `?lang=fr#ca=0.13&al=0.95&t=3&extrapolate=1&pins=A:direct:0.1,0.9${VIEWS}`,
+        options,
+      );
+      await page.evaluate(AXE);
+      for (const dialog of ["", "take-away", "units", "help"]) {
+        if (dialog !== "") await page.click(`#open-${dialog}`);
+        const { violations } = await page.evaluate(() => window.axe.run(document));
+        const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
+        assert.deepEqual(found, [], dialog);
+        const over = await page.evaluate(() =>
+          [...document.querySelectorAll("html, dialog[open], button, select, label, fieldset, .readout, figcaption")]
+            .filter((part) => part.clientWidth > 0 && part.scrollWidth > part.clientWidth + 1)
+            .map((part) => `${part.scrollWidth} > ${part.clientWidth}: ${part.outerHTML.slice(0, 200)}`),
+        );
+        assert.deepEqual(over, [], dialog);
+        if (dialog !== "") await page.click(`#close-${dialog}`);
+      }
+      await close();
+    });
+  }
+});
+
+describe("the language", () => {
+  test("is the link's, else the one chosen before, else the browser's", async () => {
+    const inFrench = await open(`#ca=0.1${FLAT}`, { locale: "fr-CA" });
+    assert.equal(await language(inFrench.page), "fr");
+    await inFrench.page.goto(inFrench.page.url().replace("#", "?lang=en#"));
+    await inFrench.page.waitForFunction(() => document.body.dataset.status === "ready");
+    assert.equal(await language(inFrench.page), "en");
+    await inFrench.close();
+    const other = await open(`#ca=0.1${FLAT}`, { locale: "de-DE" });
+    assert.equal(await language(other.page), "en");
+    await other.close();
+  });
+
+  onPage("is chosen beside the theme, at once and for later", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
+    const loaded = () =>
+      page.evaluate(() => performance.getEntriesByType("resource").filter(({ name }) => /\/fr-/.test(name)).length);
+    assert.equal(await loaded(), 0, "French is not loaded before it is asked for");
+    await page.fill("#ca", "0.07");
+    await page.keyboard.press("Tab");
+    await page.click("#open-help");
+    await page.selectOption("#language", "fr");
+    await page.waitForFunction(() => document.documentElement.lang === "fr");
+    await settled(page);
+    assert.equal(await page.innerText("#query-title"), "Paramètres");
+    assert.match(await page.innerText("#axial_length ~ .unit"), /ℓ/);
+    assert.match(await page.getAttribute("#map-point", "aria-label"), /Nombre capillaire/);
+    assert.match(await page.innerText("#track .caption"), /Longueur axiale, de 1\.\d+ à 1\.\d+/);
+    assert.equal(await page.evaluate(() => window.capsuleExplorer.state.ca), 0.07, "what is shown stays");
+    assert.equal(await loaded(), 1);
+    await page.reload();
+    await page.waitForFunction(() => document.body.dataset.status === "ready");
+    assert.equal(await language(page), "fr");
+  });
+
+  onPage("of a refusal is the core's for the core's words", `?lang=fr#ca=0.9&al=0.9${FLAT}`, async (page) => {
+    assert.match(await page.innerText('#notice [lang="en"]'), /lies outside its sampled range/);
+    assert.match(await page.innerText("#notice button"), /point intérieur/);
+  });
+
+  onPage("of an element is its own", `?lang=en#ca=0.1${FLAT}`, async (page) => {
+    await page.evaluate(() => {
+      const element = '<capsule-explorer lang="fr" ca="0.05" al="0.8" views="midplane"></capsule-explorer>';
+      document.body.insertAdjacentHTML("beforeend", element);
+    });
+    await page.waitForFunction(() => document.querySelector("capsule-explorer").dataset.status === "ready");
+    const titles = () =>
+      page.$$eval("#query-title, capsule-explorer [id$=query-title]", (parts) => parts.map((part) => part.innerText));
+    assert.deepEqual(await titles(), ["Parameters", "Paramètres"]);
+    await page.evaluate(() => document.querySelector("capsule-explorer").setAttribute("lang", "en"));
+    await page.waitForFunction(() => document.querySelector("capsule-explorer .query h2").innerText === "Parameters");
+    assert.equal(await language(page), "en");
+  });
+});
+
+describe("the messages", () => {
+  test("are all used, and none is the same in both languages by mistake", async () => {
+    const { createServer } = await import(resolve(EXPLORER, "node_modules/vite/dist/node/index.js"));
+    const options = { root: EXPLORER, configFile: false, logLevel: "silent", appType: "custom" };
+    const server = await createServer({ ...options, server: { middlewareMode: true, watch: null, hmr: false } });
+    const { en } = await server.ssrLoadModule("/src/messages/en.ts");
+    const { fr } = await server.ssrLoadModule("/src/messages/fr.ts");
+    await server.close();
+    const folder = resolve(EXPLORER, "src");
+    const files = readdirSync(folder, { recursive: true }).filter((name) => /\.(ts|html)$/.test(name));
+    const sources = files.filter((name) => !name.startsWith("messages/") && !name.startsWith("wasm/"));
+    const text = sources.map((name) => readFileSync(resolve(folder, name), "utf8")).join("\n");
+    // Groups that are indexed by a name of the state or of the core: their keys are checked by their types.
+    const INDEXED = ["quantities", "laws"];
+    const isUsed = (key) => new RegExp(`(\\.|[{,]\\s*|"|>)${key}\\b`).test(text);
+    const unused = Object.entries(en)
+      .filter(([group]) => !INDEXED.includes(group))
+      .flatMap(([group, messages]) => Object.keys(messages).map((key) => [group, key]))
+      .filter(([group, key]) => !isUsed(key) && !(group === "fields" && key in en.fields));
+    assert.deepEqual(unused, []);
+    const leaves = (value, path = "") =>
+      typeof value === "object"
+        ? Object.entries(value).flatMap(([key, one]) => leaves(one, `${path}.${key}`))
+        : [[path, value]];
+    const own = new Map(leaves(fr));
+    const same = leaves(en).filter(([path, value]) => typeof value === "string" && own.get(path) === value);
+    const names = same.map(([, value]) => value.replace(/<[^>]+>|[\d=×().,+−µ]/g, " ").trim());
+    const shared = names.flatMap((name) => name.match(/\p{L}{3,}/gu) ?? []).filter((word) => !SHARED.has(word));
+    assert.deepEqual(shared, []);
+  });
+});
