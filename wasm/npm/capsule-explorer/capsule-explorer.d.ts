@@ -45,6 +45,8 @@ export interface State {
   readonly section: number;
   /** Whether the shape at t = 0 is drawn too. */
   readonly initial: boolean;
+  /** Whether the profile of the undisturbed flow is drawn too. */
+  readonly profile: boolean;
   /** The read-out along the time axis. */
   readonly trace: Quantity;
   readonly views: ReadonlySet<View>;
@@ -120,6 +122,7 @@ export interface CapsuleExplorerAttributes {
   /** Address of a model file; it counts when the element is inserted. By default the model of the package. */
   readonly model?: string;
   readonly controls?: Controls;
+  readonly lang?: "en" | "fr";
   readonly ca?: number | string;
   readonly al?: number | string;
   /** Parameters of a model of other data, with commas. */
@@ -131,6 +134,7 @@ export interface CapsuleExplorerAttributes {
   readonly speed?: number | string;
   readonly section?: number | string;
   readonly initial?: "0" | "1";
+  readonly profile?: "0" | "1";
   readonly trace?: Quantity;
   /** Views, with points between them. */
   readonly views?: string;
