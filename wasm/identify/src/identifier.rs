@@ -2,7 +2,7 @@
 
 use crate::said::Fields;
 use capsule_core::{Model, OpenError};
-use capsule_identify::{Grid, Misfit, Observable};
+use capsule_identify::{Grid, IdentifyError, Misfit, Observable};
 use capsule_measurement::{Answer, Bench, MeasurementError, Outline, Solved};
 use capsule_refusal::Refusal;
 use self_cell::self_cell;
@@ -65,13 +65,18 @@ impl From<Error> for Refusal {
     fn from(error: Error) -> Self {
         let code = match &error {
             Error::Open(error) => error.name(),
-            Error::Measurement(MeasurementError::Model(error)) => error.name(),
             Error::Measurement(error) => match error {
                 MeasurementError::Text(_) => "text",
                 MeasurementError::Picture(_) => "picture",
                 MeasurementError::Capsule { .. } => "capsule",
                 MeasurementError::Pixel(_) | MeasurementError::NoScale => "scale",
-                MeasurementError::Contour(_) | MeasurementError::TooManyPoints { .. } => "contour",
+                MeasurementError::Contour(_)
+                | MeasurementError::TooManyPoints { .. }
+                | MeasurementError::Identify(IdentifyError::Contour(_)) => "contour",
+                MeasurementError::Identify(IdentifyError::Number { .. }) => "setup",
+                MeasurementError::Model(error) | MeasurementError::Identify(IdentifyError::Model(error)) => {
+                    error.name()
+                }
                 _ => "measurement",
             },
             Error::Said(_) | Error::Velocities => "setup",

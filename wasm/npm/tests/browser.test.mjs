@@ -30,7 +30,7 @@ async function onPage(html, drive) {
   page.on("request", (request) => requests.push(request.url()));
   page.on("response", (response) => response.status() >= 400 && errors.push(`${response.status()} ${response.url()}`));
   try {
-    await page.goto(`${server.url}page.html`);
+    await page.goto(`${server.url}page.html`, { waitUntil: "commit" });
     await drive(page, requests);
     assert.deepEqual(errors, []);
   } finally {
@@ -40,19 +40,24 @@ async function onPage(html, drive) {
 
 const ready = (page) => page.waitForSelector('capsule-explorer[data-status="ready"]');
 
+/** What a page asked for beyond itself and a package. */
+function foreign(requests, name) {
+  const own = `${server.url}node_modules/${name}/dist/`;
+  return requests.filter((url) => !url.startsWith(own) && !/(page.html|favicon.ico)$/.test(url));
+}
+
 describe("capsule-rom", () => {
-  for (const document of ["wasm/npm/capsule-rom/README.md", "docs/guides/javascript.md"]) {
-    test(`predicts in the page of ${document}, and asks for nothing but itself`, () =>
-      onPage(examples(document, "html")[0], async (page, requests) => {
-        await page.waitForFunction(() => document.querySelector("output").textContent !== "");
-        const [{ axial_length }] = predict(0.1, 0.9, [3], "direct").instants;
-        assert.equal(await page.textContent("output"), `${Math.fround(axial_length)} l`);
-        const own = `${server.url}node_modules/capsule-rom/dist/`;
-        const others = requests.filter((url) => !url.startsWith(own) && !/(page.html|favicon.ico)$/.test(url));
-        assert.deepEqual(others, []);
-        assert.ok(!requests.some((url) => url.includes("identify")), "the identification is loaded on demand");
-      }));
-  }
+  test("predicts in the page of its guides, and asks for nothing but itself", () => {
+    const [html] = examples("wasm/npm/capsule-rom/README.md", "html");
+    assert.equal(html, examples("docs/guides/javascript.md", "html")[0]);
+    return onPage(html, async (page, requests) => {
+      await page.waitForFunction(() => document.querySelector("output").textContent !== "");
+      const [{ axial_length }] = predict(0.1, 0.9, [3], "direct").instants;
+      assert.equal(await page.textContent("output"), `${Math.fround(axial_length)} l`);
+      assert.deepEqual(foreign(requests, "capsule-rom"), []);
+      assert.ok(!requests.some((url) => url.includes("identify")), "the identification is loaded on demand");
+    });
+  });
 
   test("identifies in a page, with the numbers of the command", () =>
     onPage("<title>A page</title>", async (page) => {
@@ -69,35 +74,30 @@ describe("capsule-rom", () => {
       assert.deepEqual(answer, byCommand(written("outline.csv", TEXT)));
     }));
 
-  test("names what a server does not have", () =>
+  test("names what cannot be opened", () =>
     onPage("<title>A page</title>", async (page) => {
-      const { code, message } = await page.evaluate(async () => {
+      const [code, message] = await page.evaluate(async () => {
         const { load } = await import("/node_modules/capsule-rom/dist/index.js");
-        const refusal = await load("data:,not a model").catch((error) => error);
-        return { code: refusal.code, message: refusal.message };
+        return load("data:,this is no model of a capsule").catch(({ code, message }) => [code, message]);
       });
       assert.equal(code, "magic");
-      assert.match(message, /not a model file/);
+      assert.match(message, /not a model file: it starts with/);
     }));
 });
 
 describe("capsule-explorer", () => {
-  for (const document of ["wasm/npm/capsule-explorer/README.md", "docs/guides/javascript.md"]) {
-    test(`shows the page of ${document}, with the numbers of the command`, () =>
-      onPage(examples(document, "html").at(-1), async (page, requests) => {
-        await ready(page);
-        const [expected] = predict(0.05, 0.8, [6], "direct").instants;
-        const found = await page.$eval("capsule-explorer", (element) => element.read());
-        assert.equal(found.axial_length, Math.fround(expected.axial_length));
-        assert.equal(found.error_bound, Math.fround(expected.error_bound));
-        const own = `${server.url}node_modules/capsule-explorer/dist/`;
-        const others = requests.filter((url) => !/(page.html|favicon.ico)$/.test(url) && !url.startsWith(own));
-        assert.deepEqual(others, [], "the package holds all that it needs");
-        assert.deepEqual(await page.$$eval("body > *", (all) => all.map(({ localName }) => localName)), [
-          "capsule-explorer",
-        ]);
-      }));
-  }
+  test("shows the page of the book, with the numbers of the command, and asks for nothing but itself", () =>
+    onPage(examples("docs/guides/javascript.md", "html")[1], async (page, requests) => {
+      await ready(page);
+      const [expected] = predict(0.05, 0.8, [6], "direct").instants;
+      const found = await page.$eval("capsule-explorer", (element) => element.read());
+      assert.equal(found.axial_length, Math.fround(expected.axial_length));
+      assert.equal(found.error_bound, Math.fround(expected.error_bound));
+      assert.deepEqual(foreign(requests, "capsule-explorer"), []);
+      assert.deepEqual(await page.$$eval("body > *", (all) => all.map(({ localName }) => localName)), [
+        "capsule-explorer",
+      ]);
+    }));
 
   test("has the attributes, the event and the methods that its guide names", () =>
     onPage(examples("wasm/npm/capsule-explorer/README.md", "html")[0], async (page) => {
@@ -126,24 +126,27 @@ describe("capsule-explorer", () => {
       assert.deepEqual([...documented()].sort(), [...attributes, "model"].sort());
     }));
 
-  test("shows its views in space and identifies, beside another element and the core's own package", () =>
+  test("identifies and shows space, two on a page, beside the core's own package", () =>
     onPage(
       `<title>Both</title>
        <script type="module" src="./node_modules/capsule-explorer/dist/capsule-explorer.js"></script>
-       <capsule-explorer id="first" views="solid" style="height: 30rem"></capsule-explorer>
-       <capsule-explorer id="second" ca="0.05" controls="none" views="midplane" style="height: 15rem"></capsule-explorer>
+       <capsule-explorer id="first" views="solid" controls="none" style="width: 9rem; height: 9rem"></capsule-explorer>
+       <capsule-explorer id="second" ca="0.05" views="measured" half="25" vel="5" visc="0.8"></capsule-explorer>
        <output></output>
        <script type="module">
          import { load } from "./node_modules/capsule-rom/dist/index.js";
          const model = await load();
          document.querySelector("output").value = model.predict(0.05, 0.9).observables(2).axial_length;
        </script>`,
-      async (page) => {
+      async (page, requests) => {
         await page.waitForFunction(() => document.querySelectorAll('[data-status="ready"]').length === 2);
-        await page.waitForSelector('#first canvas, #first [data-rendered="true"]');
         await page.waitForFunction(() => document.querySelector("output").value !== "");
         const second = await page.$eval("#second", (element) => element.read());
         assert.equal(String(second.axial_length), await page.$eval("output", ({ value }) => value));
+        await page.waitForSelector("#first canvas", { state: "attached" });
+        await page.locator("#second input[type=file]").first().setInputFiles(written("outline.csv", TEXT));
+        await page.waitForSelector("#second output[data-identified]");
+        assert.ok(requests.some((url) => /capsule-explorer.dist.assets.capsule_identify/.test(url)));
       },
     ));
 });
