@@ -23,6 +23,7 @@ after(async () => {
 async function onPage(html, drive) {
   written("page.html", html);
   const page = await browser.newPage();
+  page.setDefaultTimeout(120_000);
   const errors = [];
   page.on("pageerror", (error) => errors.push(String(error)));
   page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
