@@ -1,6 +1,6 @@
 //! The npm packages: their folders in target/npm, packed by npm, and their tests from the archives.
 
-use crate::command::{command, command_in, run};
+use crate::command::{command_in, run};
 use crate::package::copy;
 use crate::{explore, notices, root, target_directory};
 use anyhow::{Context, Result, ensure};
@@ -13,10 +13,17 @@ use std::path::{Path, PathBuf};
 const CORE: &str = "capsule-rom";
 const ELEMENT: &str = "capsule-explorer";
 
-/// Builds the packages and all that is in them.
+/// Builds the packages and all that is in them, and shows what npm would publish.
 pub fn npm() -> Result<()> {
     explore::build()?;
-    pack()
+    pack()?;
+    for name in [CORE, ELEMENT] {
+        run(&mut command_in(
+            &packages().join(name),
+            "npm publish --dry-run --offline",
+        ))?;
+    }
+    Ok(())
 }
 
 /// Makes the archives from the modules and the page that were built.
@@ -35,7 +42,7 @@ pub fn pack() -> Result<()> {
 
 /// Tests the packages from their archives, against `program`, the command.
 pub fn test(program: &Path) -> Result<()> {
-    run(command("node --test wasm/npm/tests/")
+    run(command_in(&root().join("wasm/npm/tests"), "node --test")
         .env("CAPSULE_ROM", program)
         .env("CAPSULE_NPM", packages()))
 }
@@ -45,7 +52,11 @@ fn core(folder: &Path) -> Result<()> {
     let modules = root().join("wasm/explorer/src/wasm");
     let dist = folder.join("dist");
     describe(CORE, folder)?;
-    compile(CORE, &["--outDir", &dist.to_string_lossy()])?;
+    run(command_in(
+        &root().join("wasm/explorer"),
+        "npx --no-install tsc --project ../npm/capsule-rom --outDir",
+    )
+    .arg(&dist))?;
     for module in ["capsule_wasm", "capsule_identify_wasm"] {
         for file in [format!("{module}.js"), format!("{module}_bg.wasm")] {
             copy(&modules.join(&file), &dist.join(&file))?;
@@ -60,8 +71,7 @@ fn element(folder: &Path) -> Result<()> {
     let page = root().join("wasm/explorer/dist");
     let dist = folder.join("dist");
     describe(ELEMENT, folder)?;
-    // The declarations are written by hand: the compiler compares them with the page's own types.
-    compile(ELEMENT, &["--noEmit"])?;
+    // Written by hand: the page's `npm run check` compares them with its own types.
     let declarations = format!("{ELEMENT}.d.ts");
     copy(&source(ELEMENT).join(&declarations), &dist.join(&declarations))?;
     for file in loaded(&page, &format!("{ELEMENT}.js"))? {
@@ -91,15 +101,6 @@ fn describe(name: &str, folder: &Path) -> Result<()> {
         copy(&root().join(licence), &folder.join(licence))?;
     }
     Ok(())
-}
-
-/// Runs the page's compiler of TypeScript on a package.
-fn compile(name: &str, options: &[&str]) -> Result<()> {
-    run(
-        command_in(&root().join("wasm/explorer"), "npx --no-install tsc --project")
-            .arg(source(name))
-            .args(options),
-    )
 }
 
 /// The files of the built page that a script needs: itself, and whatever these files name.

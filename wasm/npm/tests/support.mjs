@@ -68,7 +68,8 @@ export function serve(folder) {
       const bytes = readFileSync(path);
       response.writeHead(200, { "Content-Type": TYPES[extname(path)] ?? "application/octet-stream" }).end(bytes);
     } catch {
-      response.writeHead(404).end();
+      // A browser asks for an icon of its own accord.
+      response.writeHead(path.endsWith("favicon.ico") ? 204 : 404).end();
     }
   });
   return new Promise((ready) => {
