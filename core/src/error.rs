@@ -145,6 +145,33 @@ pub(crate) fn finite<T: Real, const D: usize>(numbers: [T; D]) -> core::result::
 }
 
 impl EvaluateError {
+    /// Its name in JavaScript.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Capacity { .. } => "capacity",
+            Self::Value { .. } => "value",
+            Self::ParameterCount { .. } => "parameter-count",
+            Self::Parameter { .. } => "parameter",
+            Self::UnknownParameter { .. } => "unknown-parameter",
+            Self::NoDerivatives => "no-derivatives",
+            Self::OutsideDomain { .. } => "outside-domain",
+            Self::FarFromSamples { .. } => "far-from-samples",
+            Self::BeyondExtrapolation { .. } => "beyond-extrapolation",
+            Self::BeyondSteadyLimit { .. } => "beyond-steady-limit",
+            Self::NoBound => "no-bound",
+            Self::WrongVolume { .. } => "wrong-volume",
+            Self::BeyondWall { .. } => "beyond-wall",
+            Self::Weights { .. } => "weights",
+            Self::NotPrepared => "not-prepared",
+            Self::UnknownNode { .. } => "unknown-node",
+            Self::UnsupportedReference => "unsupported-reference",
+            Self::StencilTooSmall { .. } => "stencil-too-small",
+            Self::UnknownNodeSet => "unknown-node-set",
+            Self::BufferTooShort { .. } => "buffer-too-short",
+            Self::NotFinite => "not-finite",
+        }
+    }
+
     /// Writes the error with the names of the parameters; their numbers stand for names that are missing.
     pub(crate) fn write(&self, f: &mut Formatter<'_>, names: &[&str]) -> Result {
         let name = |index: usize| {

@@ -62,7 +62,7 @@ async function measure(outlines) {
   const { default: load, Identifier } = await import("/capsule_identify_wasm.js");
   await load({ module_or_path: "/capsule_identify_wasm_bg.wasm" });
   const identifier = Identifier.open(bytes);
-  const said = { half_width_um: 25, mean_velocity_mm_s: 5, viscosity_pa_s: 0.8, flow: "right", capsule: null };
+  const said = { half_width_um: 25, velocity_mm_s: 5, viscosity_pa_s: 0.8, flow: "right", capsule: null };
   const identify = (name, observable, more = {}) => {
     const file = Uint8Array.from(atob(outlines[name]), (letter) => letter.charCodeAt(0));
     const words = JSON.stringify({ ...said, observable, unit: null, pixel_um: null, ...more });

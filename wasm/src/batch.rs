@@ -2,6 +2,7 @@
 
 use crate::evaluation::Evaluation;
 use capsule_core::{EvaluateError, Instant};
+use capsule_refusal::Refusal;
 use wasm_bindgen::prelude::*;
 
 /// The read-outs, in the order of [`Evaluation::readouts`].
@@ -24,7 +25,7 @@ impl Evaluation {
     ///
     /// # Errors
     /// As [`Evaluation::readings`].
-    pub fn readouts(&mut self) -> Result<Vec<f32>, JsError> {
+    pub fn readouts(&mut self) -> Result<Vec<f32>, Refusal> {
         self.ask(|instant| {
             let found = instant.observables()?;
             Ok(vec![
@@ -46,7 +47,7 @@ impl Evaluation {
     ///
     /// # Errors
     /// A read-out that does not exist.
-    pub fn course(&mut self, quantity: &str, times: &[f32]) -> Result<Vec<f32>, JsError> {
+    pub fn course(&mut self, quantity: &str, times: &[f32]) -> Result<Vec<f32>, Refusal> {
         known(quantity)?;
         let mut value = |t: &f32| {
             self.go_to(*t);
@@ -67,10 +68,10 @@ impl Evaluation {
         count: usize,
         t: f32,
         method: &str,
-    ) -> Result<Vec<f32>, JsError> {
+    ) -> Result<Vec<f32>, Refusal> {
         known(quantity)?;
         if count == 0 {
-            return Err(JsError::new("a set has at least one parameter"));
+            return Err(Refusal::new("parameter-count", "a set has at least one parameter"));
         }
         self.go_to(t);
         let mut value = |set: &[f64]| {
@@ -88,18 +89,18 @@ impl Evaluation {
     ///
     /// # Errors
     /// As [`Evaluation::readings`], of either.
-    pub fn distance(&mut self, other: &mut Evaluation) -> Result<f32, JsError> {
+    pub fn distance(&mut self, other: &mut Evaluation) -> Result<f32, Refusal> {
         let (a, b) = (self.laboratory_nodes()?, other.laboratory_nodes()?);
         Ok(directed(&a, &b).max(directed(&b, &a)))
     }
 }
 
-fn known(quantity: &str) -> Result<(), JsError> {
+fn known(quantity: &str) -> Result<(), Refusal> {
     if QUANTITIES.contains(&quantity) {
         return Ok(());
     }
     let names = QUANTITIES.join(", ");
-    Err(JsError::new(&format!(
+    Err(Refusal::unknown(format!(
         "read-out {quantity:?} is unknown; there are {names}"
     )))
 }

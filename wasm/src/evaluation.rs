@@ -5,6 +5,7 @@ use crate::shared::Shared;
 use capsule_core::{
     EvaluateError, Evaluator, Frame, Instant, Method, Parameters, Playback, Query, Workspace, playback_len,
 };
+use capsule_refusal::Refusal;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
@@ -58,14 +59,14 @@ impl Evaluation {
     ///
     /// # Errors
     /// Parameters that the core refuses: outside the domain without `extrapolate`, not finite, too few or too many.
-    pub fn prepare(&mut self, parameters: &[f64], method: &str, extrapolate: bool) -> Result<String, JsError> {
+    pub fn prepare(&mut self, parameters: &[f64], method: &str, extrapolate: bool) -> Result<String, Refusal> {
         // A refusal leaves nothing prepared.
         self.query = None;
         let method = match method {
             "direct" => Method::Direct,
             "paper" => Method::Paper,
             other => {
-                return Err(JsError::new(&format!(
+                return Err(Refusal::unknown(format!(
                     "method {other:?} is unknown; there are direct and paper"
                 )));
             }
@@ -80,7 +81,7 @@ impl Evaluation {
         };
         let model = self.shared.core();
         let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&query);
-        let domain = prepared.map_err(|error| JsError::new(&model.describe(error).to_string()))?;
+        let domain = prepared.map_err(|error| Refusal::new(error.name(), model.describe(error).to_string()))?;
         self.query = Some(query);
         Ok(domain.name().to_owned())
     }
@@ -96,7 +97,7 @@ impl Evaluation {
     /// # Errors
     /// No query, an instant outside the model's times, or an extrapolated shape that no capsule has. The methods below
     /// have the same errors.
-    pub fn readings(&mut self) -> Result<Readings, JsError> {
+    pub fn readings(&mut self) -> Result<Readings, Refusal> {
         let found = self.ask(|instant| instant.observables())?;
         Ok(Readings {
             axial_length: found.axial_length,
@@ -108,21 +109,21 @@ impl Evaluation {
     }
 
     /// Enclosed volume, in l^3; computes all nodes.
-    pub fn volume(&mut self) -> Result<f32, JsError> {
+    pub fn volume(&mut self) -> Result<f32, Refusal> {
         self.ask(|instant| instant.volume())
     }
 
     /// Expected distance, laboratory frame, as a fraction of a: in the channel the modified Hausdorff distance to the
     /// full-order model, else the mean distance of the nodes to the data. Outside the sampled domain it is a guess.
     #[wasm_bindgen(js_name = expectedError)]
-    pub fn expected_error(&mut self) -> Result<f32, JsError> {
+    pub fn expected_error(&mut self) -> Result<f32, Refusal> {
         self.ask(|instant| instant.expected_error())
     }
 
     /// The bound below which 95 % of the errors lie, in the unit of the expected error; undefined outside the sampled
     /// domain, where no bound is calibrated.
     #[wasm_bindgen(js_name = errorBound)]
-    pub fn error_bound(&mut self) -> Result<Option<f32>, JsError> {
+    pub fn error_bound(&mut self) -> Result<Option<f32>, Refusal> {
         self.ask(|instant| {
             instant.centroid()?;
             match instant.error_bound() {
@@ -133,12 +134,12 @@ impl Evaluation {
     }
 
     /// Axial position of the volume centroid in the laboratory frame, in l.
-    pub fn centroid(&mut self) -> Result<f32, JsError> {
+    pub fn centroid(&mut self) -> Result<f32, Refusal> {
         self.ask(|instant| instant.centroid())
     }
 
     /// An outline by name, from the front pole to the rear pole: x, r, x, r, ..., in l, laboratory frame.
-    pub fn outline(&mut self, name: &str) -> Result<Vec<f32>, JsError> {
+    pub fn outline(&mut self, name: &str) -> Result<Vec<f32>, Refusal> {
         let mut points = vec![[0.0; 2]; self.shared.nodes];
         let count = self.ask(|instant| instant.outline(name, Frame::Laboratory, &mut points))?;
         points.truncate(count);
@@ -146,13 +147,13 @@ impl Evaluation {
     }
 
     /// Positions of the vertices to draw, x, y, z, ..., in l, relative to the centroid.
-    pub fn surface(&mut self) -> Result<Vec<f32>, JsError> {
+    pub fn surface(&mut self) -> Result<Vec<f32>, Refusal> {
         let nodes = self.all_nodes()?;
         Ok(self.shared.surface.positions(&nodes).into_flattened())
     }
 
     /// The section by the plane at `offset` along the channel from the centroid, in l.
-    pub fn transversal(&mut self, offset: f32) -> Result<Curves, JsError> {
+    pub fn transversal(&mut self, offset: f32) -> Result<Curves, Refusal> {
         let nodes = self.all_nodes()?;
         let curves = curves(self.shared.core(), &nodes, offset)?;
         Ok(Curves {
@@ -178,21 +179,21 @@ impl Evaluation {
     pub(crate) fn ask<A>(
         &mut self,
         question: impl FnOnce(&mut Instant<'_, '_, f32>) -> Result<A, EvaluateError>,
-    ) -> Result<A, JsError> {
+    ) -> Result<A, Refusal> {
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
         evaluator.prepare(self.query.as_ref().ok_or(EvaluateError::NotPrepared)?)?;
         Ok(question(&mut evaluator.at(self.t)?)?)
     }
 
     /// All nodes in the laboratory frame.
-    pub(crate) fn laboratory_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {
+    pub(crate) fn laboratory_nodes(&mut self) -> Result<Vec<[f32; 3]>, Refusal> {
         let centroid = self.centroid()?;
         let mut nodes = self.all_nodes()?;
         nodes.iter_mut().for_each(|node| node[0] += centroid);
         Ok(nodes)
     }
 
-    fn all_nodes(&mut self) -> Result<Vec<[f32; 3]>, JsError> {
+    fn all_nodes(&mut self) -> Result<Vec<[f32; 3]>, Refusal> {
         let mut nodes = vec![[0.0; 3]; self.shared.nodes];
         let mut evaluator = Evaluator::new(self.shared.core(), &mut self.workspace)?;
         evaluator.prepare(self.query.as_ref().ok_or(EvaluateError::NotPrepared)?)?;

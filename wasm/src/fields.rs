@@ -3,6 +3,7 @@
 use crate::evaluation::Evaluation;
 use capsule_core::mechanics::Deformation;
 use capsule_core::{EvaluateError, Frame, Instant, Nodes, Scene};
+use capsule_refusal::Refusal;
 use wasm_bindgen::prelude::*;
 
 const FIELDS: &str = "displacement, velocity, stretch_1, stretch_2, tension_1, tension_2, energy_density and load";
@@ -21,12 +22,12 @@ impl Evaluation {
     ///
     /// # Errors
     /// As [`Evaluation::readings`]; an unknown name; mechanics of a model whose stress-free state is not known.
-    pub fn field(&mut self, name: &str, frame: &str) -> Result<Vec<f32>, JsError> {
+    pub fn field(&mut self, name: &str, frame: &str) -> Result<Vec<f32>, Refusal> {
         let frame = match frame {
             "laboratory" => Frame::Laboratory,
             "centroid" => Frame::Centroid,
             other => {
-                return Err(JsError::new(&format!(
+                return Err(Refusal::unknown(format!(
                     "frame {other:?} is unknown; there are laboratory and centroid"
                 )));
             }
@@ -47,13 +48,39 @@ impl Evaluation {
             "tension_2" => self.mechanics(|at, _| Ok(at.tensions()[1])),
             "energy_density" => self.mechanics(|at, _| Ok(at.energy_density())),
             "load" => self.mechanics(|at, capillary_number| at.load(capillary_number).map(length)),
-            other => Err(JsError::new(&format!("field {other:?} is unknown; there are {FIELDS}"))),
+            other => Err(Refusal::unknown(format!(
+                "field {other:?} is unknown; there are {FIELDS}"
+            ))),
         }
+    }
+
+    /// The mechanics at the nodes: stretch_1, stretch_2, area_dilation, tension_1, tension_2 and energy_density of all
+    /// nodes, one after another; then x, y, z of direction_1, direction_2 and load of all nodes.
+    ///
+    /// # Errors
+    /// As [`Evaluation::readings`]; a model whose stress-free state is not known.
+    pub fn membrane(&mut self) -> Result<Vec<f32>, Refusal> {
+        let nodes = self.mechanics(|at, capillary_number| {
+            let ([stretch_1, stretch_2], [tension_1, tension_2]) = (at.stretches(), at.tensions());
+            let scalars = [
+                stretch_1,
+                stretch_2,
+                at.area_dilation(),
+                tension_1,
+                tension_2,
+                at.energy_density(),
+            ];
+            let [direction_1, direction_2] = at.directions();
+            Ok((scalars, [direction_1, direction_2, at.load(capillary_number)?]))
+        })?;
+        let scalars = (0..6).flat_map(|k| nodes.iter().map(move |(scalars, _)| scalars[k]));
+        let vectors = (0..3).flat_map(|k| nodes.iter().flat_map(move |(_, vectors)| vectors[k]));
+        Ok(scalars.chain(vectors).collect())
     }
 }
 
 impl Evaluation {
-    fn displacement(&mut self, scene: &Scene<'_>) -> Result<Vec<f32>, JsError> {
+    fn displacement(&mut self, scene: &Scene<'_>) -> Result<Vec<f32>, Refusal> {
         let now = self.vectors(|instant, out| instant.positions(scene, out))?;
         let t = self.t;
         self.go_to(0.0);
@@ -64,20 +91,20 @@ impl Evaluation {
     }
 
     /// Vectors at all nodes, by what writes them.
-    fn vectors(
+    pub(crate) fn vectors(
         &mut self,
         fill: impl FnOnce(&mut Instant<'_, '_, f32>, &mut [[f32; 3]]) -> Result<usize, EvaluateError>,
-    ) -> Result<Vec<[f32; 3]>, JsError> {
+    ) -> Result<Vec<[f32; 3]>, Refusal> {
         let mut vectors = vec![[0.0; 3]; self.shared.nodes];
         self.ask(|instant| fill(instant, &mut vectors))?;
         Ok(vectors)
     }
 
     /// A quantity of the deformation at all nodes; it is given the capillary number too.
-    fn mechanics(
+    fn mechanics<A>(
         &mut self,
-        quantity: impl Fn(&Deformation<f32>, f32) -> Result<f32, EvaluateError>,
-    ) -> Result<Vec<f32>, JsError> {
+        quantity: impl Fn(&Deformation<f32>, f32) -> Result<A, EvaluateError>,
+    ) -> Result<Vec<A>, Refusal> {
         let shared = self.shared.clone();
         let mesh = shared.core().mesh();
         let mut sector = vec![[0.0; 3]; mesh.sector_nodes().len()];

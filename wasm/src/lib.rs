@@ -1,5 +1,5 @@
 //! capsule-core in the browser: a model, and its evaluations in single precision with the same bits as natively and on
-//! a microcontroller. Every failure is a JavaScript `Error` with the core's text.
+//! a microcontroller. Every failure is a JavaScript `Error` with the core's text, and its name of the reason as `code`.
 //!
 //! Each method computes only its own result.
 
@@ -8,6 +8,7 @@ mod evaluation;
 mod fields;
 mod flow;
 mod model;
+mod nodes;
 mod section;
 mod shared;
 mod surface;

@@ -5,6 +5,7 @@ use crate::shared::{CoreModel, File, Shared};
 use crate::surface::{Surface, normals};
 use capsule_core::model::Reference;
 use capsule_core::{DIAGONAL, MIDPLANE, Method};
+use capsule_refusal::Refusal;
 use std::cell::OnceCell;
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
@@ -24,7 +25,7 @@ impl Model {
     ///
     /// # Errors
     /// The core's error text.
-    pub fn open(bytes: Vec<u8>) -> Result<Model, JsError> {
+    pub fn open(bytes: Vec<u8>) -> Result<Model, Refusal> {
         let file = File::try_new(bytes, |bytes| CoreModel::open(bytes))?;
         let mesh = file.borrow_dependent().mesh();
         let nodes = mesh.nodes();
@@ -70,6 +71,12 @@ impl Model {
         self.shared.core().bending_stiffness()
     }
 
+    /// The solution that errors are taken against, in words.
+    #[wasm_bindgen(getter, js_name = errorsAgainst)]
+    pub fn errors_against(&self) -> String {
+        self.shared.core().errors_against().to_string()
+    }
+
     /// CRC-32 of the payload in hexadecimal: identifies the model.
     #[wasm_bindgen(getter)]
     pub fn digest(&self) -> String {
@@ -92,6 +99,21 @@ impl Model {
     #[wasm_bindgen(getter, js_name = nodeCount)]
     pub fn node_count(&self) -> usize {
         self.shared.nodes
+    }
+
+    /// Nodes of each element: six, or three of flat triangles.
+    #[wasm_bindgen(getter, js_name = elementNodes)]
+    pub fn element_nodes(&self) -> usize {
+        self.shared.core().mesh().element_nodes()
+    }
+
+    /// The nodes of one element after another: its corners, then the middles of the edges 12, 23 and 31.
+    pub fn elements(&self) -> Vec<u16> {
+        let mesh = self.shared.core().mesh();
+        let count = mesh.element_nodes();
+        mesh.elements()
+            .flat_map(|element| element.into_iter().take(count))
+            .collect()
     }
 
     /// The last instant, in l/V.

@@ -128,6 +128,30 @@ pub enum OpenError {
     },
 }
 
+impl OpenError {
+    /// Its name in JavaScript.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Truncated { .. } => "truncated",
+            Self::Magic { .. } => "magic",
+            Self::Version { .. } => "version",
+            Self::Checksum { .. } => "checksum",
+            Self::Undecodable => "undecodable",
+            Self::TrailingBytes { .. } => "trailing-bytes",
+            Self::Rows { .. } => "rows",
+            Self::Columns { .. } => "columns",
+            Self::Dimension { .. } => "dimension",
+            Self::Length { .. } => "length",
+            Self::Index { .. } => "index",
+            Self::Number { .. } => "number",
+            Self::Setting { .. } => "setting",
+            Self::NoImage { .. } => "no-image",
+            Self::ShortOutline { .. } => "short-outline",
+            Self::DuplicateSample { .. } => "duplicate-sample",
+        }
+    }
+}
+
 impl Display for OpenError {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match *self {

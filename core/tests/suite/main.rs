@@ -10,6 +10,7 @@ mod header;
 mod laziness;
 mod limits;
 mod mechanics;
+mod names;
 mod paper;
 mod queries;
 mod scenes;

@@ -12,6 +12,7 @@ mod licences;
 mod miri;
 mod mutants;
 mod notices;
+mod npm;
 mod package;
 mod python;
 mod scenes;
@@ -68,6 +69,8 @@ enum Task {
     Package,
     /// Build the WebAssembly modules into wasm/explorer/src/wasm
     Wasm,
+    /// Build the npm packages capsule-rom and capsule-explorer into target/npm
+    Npm,
     /// Build CapsuleExplorer and serve it on 127.0.0.1 with the shipped model
     Explore(explore::Options),
     /// Run lints and all tests: native, firmware under QEMU, page in Chromium
@@ -102,6 +105,7 @@ fn main() -> ExitCode {
         Task::Header => header::write(),
         Task::Package => package::package(),
         Task::Wasm => wasm::build(),
+        Task::Npm => npm::npm(),
         Task::Explore(options) => explore::explore(&options),
         Task::Test(options) => test::test(&options),
     };

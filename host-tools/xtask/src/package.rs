@@ -139,7 +139,8 @@ fn name(target: &str) -> String {
     format!("capsule-rom-{}-{target}", env!("CARGO_PKG_VERSION"))
 }
 
-fn copy(from: &Path, to: &Path) -> Result<()> {
+/// Copies a file, and makes its folder.
+pub fn copy(from: &Path, to: &Path) -> Result<()> {
     let copied = to
         .parent()
         .map_or(Ok(()), fs::create_dir_all)

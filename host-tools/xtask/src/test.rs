@@ -3,7 +3,7 @@
 use crate::command::{command, command_in, run};
 use crate::setup::{self, Tool};
 use crate::{
-    book, budgets, columns, conformance, explore, fuzz, licences, miri, package, python, root, target_directory,
+    book, budgets, columns, conformance, explore, fuzz, licences, miri, npm, package, python, root, target_directory,
     targets,
 };
 use anyhow::{Result, bail};
@@ -49,7 +49,7 @@ enum Stage {
     Python,
     /// a sharded sweep on a Slurm of one node
     Cluster,
-    /// the page: types, lint, and a drive through it in Chromium
+    /// the page: types, lint, and a drive through it in Chromium; the npm packages, from their archives
     Browser,
 }
 
@@ -146,11 +146,13 @@ impl Stage {
             Self::Cluster => run(&mut command("cargo test --workspace --test slurm")),
             Self::Browser => {
                 explore::build()?;
-                program()?;
+                let program = program()?;
                 run(&mut command_in(&root().join("wasm/explorer"), "npm run check"))?;
                 run(&mut command_in(&root().join("wasm/explorer"), "npm run lint"))?;
                 run(command_in(&root().join("tests/browser"), "npm test")
-                    .env("CAPSULE_CONFORMANCE", conformance::module()?))
+                    .env("CAPSULE_CONFORMANCE", conformance::module()?))?;
+                npm::pack()?;
+                npm::test(&program)
             }
         }
     }

@@ -42,6 +42,8 @@ const FIELDS = ENTRIES.filter(([, { key }]) => key !== undefined);
  */
 export class CapsuleExplorer extends HTMLElement implements Api {
   static readonly observedAttributes = [...FIELDS.map(([, { key }]) => key ?? ""), "controls", "lang"];
+  /** Address of the shipped model; by default it lies beside the page. */
+  static shipped: URL | undefined;
   static #count = 0;
   #explorer: Explorer | undefined;
 
@@ -54,7 +56,9 @@ export class CapsuleExplorer extends HTMLElement implements Api {
     // Its own language, the one that its reader chose before, that of the page around it, that of the browser.
     const around = this.parentElement?.closest<HTMLElement>("[lang]")?.lang;
     const language = languageOf(this.getAttribute("lang"), keptLanguage(), around, ...navigator.languages);
-    this.#explorer = new Explorer(this, { prefix, state, language, ...(model === null ? {} : { model }) });
+    const { shipped } = CapsuleExplorer;
+    const file = { ...(model === null ? {} : { model }), ...(shipped === undefined ? {} : { shipped }) };
+    this.#explorer = new Explorer(this, { prefix, state, language, ...file });
     this.#explorer.store.subscribe(() => this.dispatchEvent(new Event("statechange", { bubbles: true })));
   }
 

@@ -2,8 +2,9 @@
 
 use crate::said::Fields;
 use capsule_core::{Model, OpenError};
-use capsule_identify::{Grid, Misfit, Observable};
+use capsule_identify::{Grid, IdentifyError, Misfit, Observable};
 use capsule_measurement::{Answer, Bench, MeasurementError, Outline, Solved};
+use capsule_refusal::Refusal;
 use self_cell::self_cell;
 use serde::Serialize;
 use std::path::Path;
@@ -28,8 +29,10 @@ const AROUND: f64 = 2.7;
 pub(crate) enum Error {
     Open(OpenError),
     Measurement(MeasurementError),
-    /// The page says what cannot be read.
+    /// What is said cannot be read.
     Said(serde_json::Error),
+    /// No velocity is said, or several are.
+    Velocities,
     /// The misfit is asked for before there is an answer.
     NoAnswer,
 }
@@ -39,7 +42,12 @@ impl std::fmt::Display for Error {
         match self {
             Self::Open(error) => error.fmt(f),
             Self::Measurement(error) => error.fmt(f),
-            Self::Said(error) => error.fmt(f),
+            Self::Said(error) => {
+                // The place in the text that JavaScript made of an object says nothing.
+                let words = error.to_string();
+                f.write_str(words.split(" at line ").next().unwrap_or_default())
+            }
+            Self::Velocities => f.write_str("give one of velocity_mm_s, flow_rate_ul_min and capsule_velocity_mm_s"),
             Self::NoAnswer => f.write_str("there is no answer yet whose misfit could be told"),
         }
     }
@@ -50,6 +58,31 @@ impl std::error::Error for Error {}
 impl From<MeasurementError> for Error {
     fn from(error: MeasurementError) -> Self {
         Self::Measurement(error)
+    }
+}
+
+impl From<Error> for Refusal {
+    fn from(error: Error) -> Self {
+        let code = match &error {
+            Error::Open(error) => error.name(),
+            Error::Measurement(error) => match error {
+                MeasurementError::Text(_) => "text",
+                MeasurementError::Picture(_) => "picture",
+                MeasurementError::Capsule { .. } => "capsule",
+                MeasurementError::Pixel(_) | MeasurementError::NoScale => "scale",
+                MeasurementError::Contour(_)
+                | MeasurementError::TooManyPoints { .. }
+                | MeasurementError::Identify(IdentifyError::Contour(_)) => "contour",
+                MeasurementError::Identify(IdentifyError::Number { .. }) => "setup",
+                MeasurementError::Model(error) | MeasurementError::Identify(IdentifyError::Model(error)) => {
+                    error.name()
+                }
+                _ => "measurement",
+            },
+            Error::Said(_) | Error::Velocities => "setup",
+            Error::NoAnswer => "no-answer",
+        };
+        Self::new(code, error.to_string())
     }
 }
 
@@ -112,7 +145,7 @@ impl Identifier {
             Some(grid) => grid,
             None => known.insert(self.bench.grid(model, observable)?),
         };
-        let request = fields.request();
+        let request = fields.request()?;
         let solved = self.bench.identify(model, grid, &request, Some(&outline), warnings)?;
         let text = serde_json::to_string(&drawn(model, &outline, &solved)).map_err(Error::Said)?;
         self.last = Some((observable, solved.misfit));
@@ -206,7 +239,7 @@ mod tests {
 
     fn said(change: &[(&str, Value)]) -> String {
         let mut said = serde_json::json!({
-            "half_width_um": HALF_WIDTH_UM, "mean_velocity_mm_s": 5.0, "viscosity_pa_s": 0.8,
+            "half_width_um": HALF_WIDTH_UM, "velocity_mm_s": 5.0, "viscosity_pa_s": 0.8,
             "observable": "midplane", "unit": null, "pixel_um": null, "flow": "found", "capsule": null,
         });
         for (key, value) in change {
@@ -302,5 +335,12 @@ mod tests {
         assert!(refused("a.csv", &text, &[("half_width_um", 12.0.into())]).contains("wide"));
         assert!(refused("a.csv", &text, &[("viscosity_pa_s", (-1.0).into())]).contains("viscosity"));
         assert!(refused("a.csv", &text, &[("flow", "north".into())]).contains("north"));
+        let both = refused("a.csv", &text, &[("flow_rate_ul_min", 0.75.into())]);
+        assert!(both.starts_with("give one of velocity_mm_s"), "{both}");
+        let wrong = refused("a.csv", &text, &[("viscosity", 0.8.into())]);
+        assert!(
+            wrong.contains("unknown field `viscosity`") && !wrong.contains("line"),
+            "{wrong}"
+        );
     }
 }

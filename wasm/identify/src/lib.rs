@@ -1,10 +1,11 @@
 //! The identification of a capsule in the browser. The page loads this module when it is asked for, into a worker.
 //! Answers are those of the command `capsule-rom identify`, by the same calls; every failure is a JavaScript `Error`
-//! with the text of the crate that found it.
+//! with the text of the crate that found it, and a name of the reason as `code`.
 
 mod identifier;
 mod said;
 
+use capsule_refusal::Refusal;
 use identifier::Identifier as Inner;
 use wasm_bindgen::prelude::*;
 
@@ -20,21 +21,21 @@ impl Identifier {
     ///
     /// # Errors
     /// Bytes that are no model, or a model of anything but capsules in the channel.
-    pub fn open(bytes: Vec<u8>) -> Result<Identifier, JsError> {
+    pub fn open(bytes: Vec<u8>) -> Result<Identifier, Refusal> {
         Ok(Self {
             inner: Inner::open(bytes)?,
         })
     }
 
     /// Identifies the capsule whose outline a file shows, a text or a picture. `said` and the result are JSON objects:
-    /// `half_width_um`, `mean_velocity_mm_s`, `viscosity_pa_s`, `observable`, `unit`, `pixel_um`, `flow`, `capsule`;
-    /// the command's `answer`, the `contour` and the fitted `outline` in l in the capsule's frame, the half with r >= 0
-    /// from the front to the rear, the `levels` of the rise of the sum of squares at the borders of the regions of 68
-    /// and 95 %, and the ranges `around` of Ca and a/l that hold them.
+    /// the command's options by their names, with `_` for `-`; the command's `answer`, the `contour` and the fitted
+    /// `outline` in l in the capsule's frame, the half with r >= 0 from the front to the rear, the `levels` of the rise
+    /// of the sum of squares at the borders of the regions of 68 and 95 %, and the ranges `around` of Ca and a/l that
+    /// hold them.
     ///
     /// # Errors
     /// What is wrong with the file or with what is said.
-    pub fn identify(&mut self, name: &str, file: &[u8], said: &str) -> Result<String, JsError> {
+    pub fn identify(&mut self, name: &str, file: &[u8], said: &str) -> Result<String, Refusal> {
         Ok(self.inner.identify(name, file, said)?)
     }
 
@@ -43,7 +44,7 @@ impl Identifier {
     ///
     /// # Errors
     /// Before the first answer.
-    pub fn misfit(&mut self, places: &[f64]) -> Result<Vec<f64>, JsError> {
+    pub fn misfit(&mut self, places: &[f64]) -> Result<Vec<f64>, Refusal> {
         Ok(self.inner.misfit(places)?)
     }
 }

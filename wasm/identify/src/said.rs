@@ -1,22 +1,32 @@
-//! What the page says of an outline.
+//! What is said of an outline.
 
+use crate::identifier::Error;
+use capsule_contour::Edge;
 use capsule_contour::text::Unit;
 use capsule_identify::{Direction, Flow, Lengths, Observable, Setup};
 use capsule_measurement::{Request, Said};
 use serde::Deserialize;
 
-/// The fields of the page, in the units of their names.
+/// The options of the command, by their names.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Fields {
     half_width_um: f64,
-    mean_velocity_mm_s: f64,
+    velocity_mm_s: Option<f64>,
+    flow_rate_ul_min: Option<f64>,
+    capsule_velocity_mm_s: Option<f64>,
     viscosity_pa_s: f64,
     observable: Kind,
     unit: Option<Length>,
     pixel_um: Option<f64>,
+    #[serde(default)]
     flow: Way,
     capsule: Option<usize>,
+    edge: Option<Criterion>,
+    noise_um: Option<f64>,
+    edge_px: Option<f64>,
+    scale_error: Option<f64>,
+    exposure_ms: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -33,14 +43,22 @@ enum Length {
     Px,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Way {
     Right,
     Left,
     Up,
     Down,
+    #[default]
     Found,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Criterion {
+    Gradient,
+    HalfLevel,
 }
 
 impl Fields {
@@ -67,25 +85,36 @@ impl Fields {
                 Way::Found => Direction::Found,
             },
             capsule: self.capsule,
-            edge: None,
+            edge: self.edge.map(|edge| match edge {
+                Criterion::Gradient => Edge::Gradient,
+                Criterion::HalfLevel => Edge::HalfLevel,
+            }),
             background: None,
         }
     }
 
-    pub(crate) fn request(&self) -> Request {
-        Request {
+    /// # Errors
+    /// No velocity, or several.
+    pub(crate) fn request(&self) -> Result<Request, Error> {
+        let flow = match (self.velocity_mm_s, self.flow_rate_ul_min, self.capsule_velocity_mm_s) {
+            (Some(velocity), None, None) => Flow::MeanVelocity(1e-3 * velocity),
+            (None, Some(rate), None) => Flow::Rate(rate * 1e-9 / 60.0),
+            (None, None, Some(velocity)) => Flow::CapsuleVelocity(1e-3 * velocity),
+            _ => return Err(Error::Velocities),
+        };
+        Ok(Request {
             observable: self.observable(),
             setup: Setup {
                 half_width_um: self.half_width_um,
-                flow: Flow::MeanVelocity(1e-3 * self.mean_velocity_mm_s),
+                flow,
                 viscosity_pa_s: self.viscosity_pa_s,
             },
             lengths: Lengths::default(),
-            noise_um: None,
+            noise_um: self.noise_um,
             pixel_um: self.pixel_um,
-            edge_px: None,
-            scale_error: None,
-            exposure_ms: None,
-        }
+            edge_px: self.edge_px,
+            scale_error: self.scale_error,
+            exposure_ms: self.exposure_ms,
+        })
     }
 }

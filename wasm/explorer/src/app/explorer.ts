@@ -17,8 +17,8 @@ import { fromSession, toSession } from "./session";
 import { Store } from "./store";
 import { Workbench } from "./workbench";
 
-/** The model beside the page. */
-const SHIPPED = "./capsule.crom";
+/** The shipped model's file. */
+export const SHIPPED = "./capsule.crom";
 
 /** Names of files with a measured outline. */
 const OUTLINE = /\.(csv|txt|tsv|dat|png|jpe?g|tiff?)$/i;
@@ -29,6 +29,8 @@ export interface Options {
   readonly prefix?: string;
   /** Address of the model to open first, on this server; by default the shipped one. */
   readonly model?: string;
+  /** Address of the shipped model; by default it lies beside the page. */
+  readonly shipped?: URL;
   /** Whether the document's address follows this explorer and the explorer follows it. */
   readonly ownsAddress?: boolean;
   /** By default English. */
@@ -55,7 +57,15 @@ export class Explorer {
   #asked = 0;
 
   constructor(element: HTMLElement, options: Options = {}) {
-    const { prefix = "", model, ownsAddress = false, language = "en", state = {} } = options;
+    const { href } = window.location;
+    const {
+      prefix = "",
+      model,
+      shipped = new URL(SHIPPED, href),
+      ownsAddress = false,
+      language = "en",
+      state = {},
+    } = options;
     this.root = new Root(element, prefix, markup);
     this.#link = ownsAddress ? fromFragment(window.location.hash) : { state, digest: undefined, file: undefined };
     this.store = new Store({ ...DEFAULT_STATE, ...this.#link.state });
@@ -84,8 +94,7 @@ export class Explorer {
     this.#tieCopy();
     this.root.speak(() => this.#say());
     this.#speaking = this.speak(language);
-    const address = new URL(model ?? SHIPPED, window.location.href);
-    this.#show(fetchModel(address, model === undefined));
+    this.#show(model === undefined ? fetchModel(shipped, true) : fetchModel(new URL(model, href), false));
     loadModule();
   }
 

@@ -217,7 +217,7 @@ function missingIn(state: State) {
 function saidOf(state: State): Said {
   return {
     half_width_um: state.halfWidth,
-    mean_velocity_mm_s: state.meanVelocity,
+    velocity_mm_s: state.meanVelocity,
     viscosity_pa_s: state.viscosity,
     observable: state.observable,
     unit: state.outlineUnit === "named" ? null : state.outlineUnit,

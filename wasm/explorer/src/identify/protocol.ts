@@ -3,7 +3,7 @@
 /** Information on an outline beside its file, as the module takes it. */
 export interface Said {
   readonly half_width_um: number;
-  readonly mean_velocity_mm_s: number;
+  readonly velocity_mm_s: number;
   readonly viscosity_pa_s: number;
   readonly observable: string;
   readonly unit: string | null;
