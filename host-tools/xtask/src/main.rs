@@ -66,6 +66,8 @@ enum Task {
     Header,
     /// Build an archive of the C interface for this machine and for Cortex-M into target/package
     Package,
+    /// Build the wheel of the Python package, with the command in it, into target/python/wheels
+    Python,
     /// Build the WebAssembly modules into wasm/explorer/src/wasm
     Wasm,
     /// Build CapsuleExplorer and serve it on 127.0.0.1 with the shipped model
@@ -101,6 +103,7 @@ fn main() -> ExitCode {
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),
         Task::Package => package::package(),
+        Task::Python => python::package(),
         Task::Wasm => wasm::build(),
         Task::Explore(options) => explore::explore(&options),
         Task::Test(options) => test::test(&options),

@@ -93,6 +93,10 @@ class Model:
         """Sampled parameters `(samples, parameters)`."""
         return self._core.samples()
 
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the model file (.crom), whole or not at all. Raises OSError if it cannot be written."""
+        self._core.save(path)
+
     def node_set(self, name: str) -> NDArray[np.uint16]:
         """Node numbers of a named outline ("midplane", "diagonal"), front to rear.
 
