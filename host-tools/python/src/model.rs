@@ -65,12 +65,6 @@ impl Model {
         })
     }
 
-    /// The shipped model.
-    #[staticmethod]
-    fn shipped() -> PyResult<Self> {
-        Self::open(include_bytes!("../../../models/capsule.crom").to_vec())
-    }
-
     /// Writes the file whole or not at all.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let bytes = self.shared.file.borrow_owner();

@@ -56,13 +56,10 @@ fn wheel(profile: &str) -> Result<PathBuf> {
     let scripts = description.replace(".dist-info", ".data/scripts");
     strip(&built.join("lib_core.so"), &package.join("_core.abi3.so"))?;
     strip(&built.join("capsule-rom"), &content.join(scripts).join("capsule-rom"))?;
-    let licences = content.join(description).join("licenses");
-    for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy(&root().join(licence), &licences.join(licence))?;
-    }
     let host = crate::package::host()?;
     let notices = ["capsule-python", "capsule-cli"].map(|package| notices::of(package, &host));
     let notices: Vec<String> = notices.into_iter().collect::<Result<_>>()?;
+    let licences = content.join(description).join("licenses");
     fs::write(licences.join(notices::FILE), notices.join("\n")).context("could not write the notices")?;
     run(command("python3 -m wheel pack --dest-dir")
         .arg(&wheels)
