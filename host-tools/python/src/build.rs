@@ -76,7 +76,7 @@ fn model(
     if let Some(tolerance) = tolerance {
         settings.truncation = Truncation::Tolerance(tolerance);
     }
-    let (bytes, _) = capsule_offline::build((&collection).into(), &settings, &|_, _, _| {}).map_err(text)?;
+    let (bytes, _) = capsule_offline::build(&collection, &settings, &|_, _, _| {}).map_err(text)?;
     Ok(bytes)
 }
 

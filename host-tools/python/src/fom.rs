@@ -1,7 +1,7 @@
 //! Runs of the full-order model.
 
 use crate::SolverError;
-use capsule_fom::{Configuration, Integrator, MembraneDiscretisation, Outcome, Settings, Solver, Status};
+use capsule_fom::{Configuration, FomError, Integrator, MembraneDiscretisation, Outcome, Settings, Solver, Status};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, ToPyArray};
 use pyo3::exceptions::PyValueError;
@@ -57,7 +57,7 @@ pub fn run(
         confinement,
     };
     let mut signal = Ok(());
-    let run = py.detach(|| {
+    let run = py.detach(|| -> Result<Run, FomError> {
         configuration.validate()?;
         let solver = Solver::new(settings)?;
         let outcome = solver.run(&configuration, &mut |_| {
@@ -71,7 +71,7 @@ pub fn run(
         Ok(Run { solver, outcome })
     });
     signal?;
-    run.map_err(|error: capsule_fom::FomError| SolverError::new_err(error.to_string()))
+    run.map_err(|error| SolverError::new_err(error.to_string()))
 }
 
 fn unknown(what: &str, found: &str, expected: &str) -> PyErr {

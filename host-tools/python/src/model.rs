@@ -68,12 +68,10 @@ impl Model {
     /// Writes the file whole or not at all.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let bytes = self.shared.file.borrow_owner();
-        match py.detach(|| write_whole(&path, bytes)) {
-            Err(DatabaseError::Io { source, .. }) => {
-                Err(PyOSError::new_err((source.raw_os_error(), source.to_string(), path)))
-            }
-            outcome => outcome.map_err(|error| PyOSError::new_err(error.to_string())),
-        }
+        py.detach(|| write_whole(&path, bytes)).map_err(|error| match &error {
+            DatabaseError::Io { source, .. } => std::io::Error::new(source.kind(), error.to_string()).into(),
+            _ => PyOSError::new_err(error.to_string()),
+        })
     }
 
     #[getter]
