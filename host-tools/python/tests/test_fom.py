@@ -22,7 +22,7 @@ def test_a_run_has_the_bits_of_the_command_line(tmp_path):
     thread = threading.Thread(target=count)
     thread.start()
     before = len(ticks)
-    run = capsule_rom.fom.run(0.1, 0.9, mesh=4, end_time=0.25, snapshot_interval=0.1)
+    run = capsule_rom.fom.run(0.1, 0.8, mesh=4, end_time=0.25, snapshot_interval=0.1)
     counted = len(ticks) - before
     done.set()
     thread.join()
@@ -31,7 +31,7 @@ def test_a_run_has_the_bits_of_the_command_line(tmp_path):
     file = tmp_path / "run.npz"
     options = ["--mesh", "4", "--end-time", "0.25", "--snapshot-interval", "0.1"]
     options += ["--fields", "stretch", "--npz", str(file), "--quiet"]
-    expected = command("fom", "run", "--ca", "0.1", "--confinement", "0.9", *options)
+    expected = command("fom", "run", "--ca", "0.1", "--confinement", "0.8", *options)
     stored = np.load(file)
     np.testing.assert_array_equal(run.times, expected["t"])
     np.testing.assert_array_equal(run.positions, stored["positions"])
@@ -45,7 +45,8 @@ def test_a_run_has_the_bits_of_the_command_line(tmp_path):
 
 
 def test_settings_are_those_of_the_command():
-    run = capsule_rom.fom.run(0.1, 0.9, mesh=3, membrane="p2", integrator="ralston", step=1e-3, end_time=0.02)
+    with pytest.warns(RuntimeWarning, match="a film of 0.100 l"):
+        run = capsule_rom.fom.run(0.1, 0.9, mesh=3, membrane="p2", integrator="ralston", step=1e-3, end_time=0.02)
     options = "--mesh 3 --membrane p2 --integrator ralston --step 1e-3 --end-time 0.02".split()
     expected = command("fom", "run", "--ca", "0.1", "--confinement", "0.9", "--quiet", *options)
     np.testing.assert_array_equal(run.axial_length, expected["axial_length"])
