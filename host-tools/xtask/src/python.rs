@@ -1,4 +1,4 @@
-//! The Python package: its wheel, with the command `capsule-rom` in it, and its tests from an installation of the wheel.
+//! The Python package: its wheel, with the command `capsule-rom` in it, and its tests from an installation of it.
 
 use crate::command::{command, output, run};
 use crate::setup::{self, MATURIN, PIP, WHEEL};

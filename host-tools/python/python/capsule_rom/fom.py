@@ -85,8 +85,8 @@ def run(
     - `end_time`, `snapshot_interval`: in l/V; near the start there are more snapshots
     - `unreduced`: all nodes are computed, not an eighth of them
 
-    It runs on all cores without the global interpreter lock. Ctrl-C ends it, with nothing returned. Raises `SolverError`
-    for settings and configurations that are refused. What could not be resolved gives a `RuntimeWarning`.
+    It runs on all cores without the global interpreter lock. Ctrl-C ends it, with nothing returned. What could not be
+    resolved gives a `RuntimeWarning`. Raises `SolverError` for settings and configurations that are refused.
     """
     found = _core.run(
         ca,

@@ -37,9 +37,9 @@ def build(
     - `velocities` like `positions`; without them the derivatives of splines through the positions
     - `parameter_names` `(P,)`: else `parameter_1`, ...
 
-    Any units do; `length_unit` and `time_unit` are their names. `split` is a parameter and its value, where the solution
-    has a kink or a jump. `tolerance` is the error that the modes may leave, in the unit of length; without it a five
-    thousandth of the radius. Equal arrays give equal files if the environment sets SOURCE_DATE_EPOCH.
+    Any units do; `length_unit` and `time_unit` are their names. `split` is a parameter and its value, where the
+    solution has a kink or a jump. `tolerance` is the error that the modes may leave, in the unit of length; without it
+    a five thousandth of the radius. Equal arrays give equal files if the environment sets SOURCE_DATE_EPOCH.
 
     Raises `DataError` for arrays that are misshapen, of another type or not finite, and for surfaces that are not one
     closed surface that moves, with the array and the index.

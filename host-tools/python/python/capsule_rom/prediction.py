@@ -161,8 +161,8 @@ class Prediction:
         return out
 
     def fields(self, t: ArrayLike, out: Optional[Singles] = None) -> Fields:
-        """Mechanics of the membrane at all nodes. `out` has the shape `B + T + (15 nodes,)`; the answer's arrays are parts
-        of it.
+        """Mechanics of the membrane at all nodes. `out` has the shape `B + T + (15 * nodes,)`; the answer's arrays are
+        parts of it.
         """
         count = self._model.node_count
         times, out = self._prepare(t, (15 * count,), out)
