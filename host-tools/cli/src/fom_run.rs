@@ -122,7 +122,7 @@ pub fn run(options: &Options) -> Result<()> {
             options.confinement
         );
     }
-    if let Some(warning) = record::film_warning(&solver, &outcome) {
+    if let Some(warning) = solver.film_warning(&outcome) {
         eprintln!("warning: {warning}");
     }
     let (surfaces, mechanics) = fields::of_run(&options.fields, &solver, &outcome)?;

@@ -47,16 +47,3 @@ pub fn description(settings: &Settings) -> Result<Description> {
     let record = serde_json::to_value(settings).context("could not record the solver's settings")?;
     Ok(Description::new(settings.snapshot_times(), record))
 }
-
-/// The warning about a film that the solver does not resolve.
-pub fn film_warning(solver: &Solver, outcome: &Outcome) -> Option<String> {
-    let film = solver.unresolved_film(outcome)?;
-    Some(format!(
-        "a film of {:.3} l at t = {:.2}, where the walls' panels resolve {:.3} l: velocities of nodes in the film may \
-         be \
-         wrong by 0.01 V, that of the capsule by 0.0003 V",
-        film.thickness,
-        film.time,
-        solver.resolved_film()
-    ))
-}

@@ -2,7 +2,7 @@
 
 use crate::names;
 use crate::outputs::Outputs;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use capsule_database::{Collection, Database};
 use capsule_offline::{Settings, Source, Split};
 use clap::Args;
@@ -27,9 +27,6 @@ pub enum Snapshots {
     Database(Box<Database>),
     Collection(Collection),
 }
-
-/// Shares of a parameter's range that are closer than this are the same.
-const CLOSE: f64 = 1e-9;
 
 impl SourceOptions {
     /// Inputs, as the checks of outputs need them.
@@ -62,17 +59,7 @@ fn split(text: &str, collection: &Collection) -> Result<Split> {
     let [(parameter, value)] = names::parse("--split", text, names)?[..] else {
         bail!("--split {text}: expected one NAME=VALUE");
     };
-    let values = collection.parameters.iter().map(|row| row[parameter]);
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
-    });
-    let margin = CLOSE * (high - low);
-    ensure!(
-        low + margin < value && value < high - margin,
-        "--split {text} separates no samples: `{}` runs from {low} to {high}, and the split must lie between",
-        names[parameter]
-    );
-    Ok(Split { parameter, value })
+    Split::between(collection, parameter, value).with_context(|| format!("--split {text}"))
 }
 
 impl Snapshots {

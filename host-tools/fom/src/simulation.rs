@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::flow::{Duct, DuctSettings, FlowError};
 use crate::integrator::{Integration, State, StepError, Stepper};
 use crate::measures::Outlines;
-use crate::outcome::{Film, Outcome, Record, Status};
+use crate::outcome::{Outcome, Record, Status};
 use crate::system::{Capsule, Discretisation};
 use crate::{Configuration, EvaluationError, FomError, Mesh, Settings, initial};
 
@@ -70,14 +70,17 @@ impl Solver {
         &self.settings
     }
 
-    /// A film that is too thin for the walls' panels to resolve, if the run had one ([`Duct::resolved_film`]).
-    pub fn unresolved_film(&self, outcome: &Outcome) -> Option<Film> {
-        Some(outcome.thinnest_film).filter(|film| film.thickness < self.duct.resolved_film())
-    }
-
-    /// The film that the walls' panels resolve (l), see [`Duct::resolved_film`].
-    pub fn resolved_film(&self) -> f64 {
-        self.duct.resolved_film()
+    /// A warning, if the run had a film that is too thin for the walls' panels to resolve ([`Duct::resolved_film`]).
+    pub fn film_warning(&self, outcome: &Outcome) -> Option<String> {
+        let (film, resolved) = (outcome.thinnest_film, self.duct.resolved_film());
+        let warning = || {
+            format!(
+                "a film of {:.3} l at t = {:.2}, where the walls' panels resolve {resolved:.3} l: velocities of nodes \
+                 in the film may be wrong by 0.01 V, that of the capsule by 0.0003 V",
+                film.thickness, film.time
+            )
+        };
+        (film.thickness < resolved).then(warning)
     }
 
     /// Runs one configuration to its steady state or to the end time. `observer` is called after each step and may

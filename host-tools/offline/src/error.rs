@@ -95,6 +95,20 @@ pub enum OfflineError {
         /// The right value.
         expected: &'static str,
     },
+    /// A split separates no samples.
+    #[error(
+        "the split {name} = {value} separates no samples: `{name}` runs from {} to {}, and the split must lie between",
+        range[0],
+        range[1]
+    )]
+    SeparatesNothing {
+        /// The parameter.
+        name: String,
+        /// Where it is split.
+        value: f64,
+        /// Its range.
+        range: [f64; 2],
+    },
     /// A singular value decomposition did not converge.
     #[error("the singular value decomposition of a {rows} x {columns} matrix did not converge")]
     NoConvergence {

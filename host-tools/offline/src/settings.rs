@@ -57,6 +57,24 @@ pub struct Split {
     pub value: f64,
 }
 
+impl Split {
+    /// A split between samples of a collection.
+    ///
+    /// # Errors
+    /// [`OfflineError::SeparatesNothing`] for a value outside the parameter's range or at its ends.
+    pub fn between(collection: &Collection, parameter: usize, value: f64) -> Result<Self, OfflineError> {
+        /// Shares of a parameter's range that are closer than this are the same.
+        const CLOSE: f64 = 1e-9;
+        let range = collection.ranges()[parameter];
+        let margin = CLOSE * (range[1] - range[0]);
+        if range[0] + margin < value && value < range[1] - margin {
+            return Ok(Self { parameter, value });
+        }
+        let name = collection.parameter_names[parameter].clone();
+        Err(OfflineError::SeparatesNothing { name, value, range })
+    }
+}
+
 /// Which configurations of a database take part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

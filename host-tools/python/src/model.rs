@@ -3,9 +3,12 @@
 use crate::ModelFileError;
 use capsule_core::mechanics::Stencil;
 use capsule_core::{EvaluateError, Method};
+use capsule_database::{DatabaseError, write_whole};
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use self_cell::self_cell;
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 type CoreModel<'a> = capsule_core::Model<'a>;
@@ -53,7 +56,7 @@ pub struct Model {
 impl Model {
     /// Opens the bytes of a file.
     #[staticmethod]
-    fn open(bytes: Vec<u8>) -> PyResult<Self> {
+    pub fn open(bytes: Vec<u8>) -> PyResult<Self> {
         let file = File::try_new(bytes, |bytes| CoreModel::open(bytes));
         let file = file.map_err(|error| ModelFileError::new_err(error.to_string()))?;
         let stencils = OnceLock::new();
@@ -62,10 +65,13 @@ impl Model {
         })
     }
 
-    /// The shipped model.
-    #[staticmethod]
-    fn shipped() -> PyResult<Self> {
-        Self::open(include_bytes!("../../../models/capsule.crom").to_vec())
+    /// Writes the file whole or not at all.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let bytes = self.shared.file.borrow_owner();
+        py.detach(|| write_whole(&path, bytes)).map_err(|error| match &error {
+            DatabaseError::Io { source, .. } => std::io::Error::new(source.kind(), error.to_string()).into(),
+            _ => PyOSError::new_err(error.to_string()),
+        })
     }
 
     #[getter]

@@ -67,6 +67,8 @@ enum Task {
     Header,
     /// Build an archive of the C interface for this machine and for Cortex-M into target/package
     Package,
+    /// Build the wheel of the Python package, with the command in it, into target/python/wheels
+    Python,
     /// Build the WebAssembly modules into wasm/explorer/src/wasm
     Wasm,
     /// Build the npm packages capsule-rom and capsule-explorer into target/npm
@@ -104,6 +106,7 @@ fn main() -> ExitCode {
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),
         Task::Package => package::package(),
+        Task::Python => python::package(),
         Task::Wasm => wasm::build(),
         Task::Npm => npm::npm(),
         Task::Explore(options) => explore::explore(&options),

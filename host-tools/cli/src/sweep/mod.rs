@@ -162,7 +162,7 @@ impl Worker<'_> {
             RunState::Finished(outcome) => {
                 self.database.write(&record::trajectory(&outcome))?;
                 self.checkpoints.forget(configuration);
-                if let Some(warning) = record::film_warning(self.solver, &outcome) {
+                if let Some(warning) = self.solver.film_warning(&outcome) {
                     let Configuration {
                         capillary_number,
                         confinement,

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use ndarray::{Array1, Array2, Array4, ArrayD};
 
-use super::Collection;
 use super::dtype::tests::npy;
+use super::{Collection, Elements, NamedArray};
 use crate::DatabaseError;
 use crate::mesh::tests::octahedral;
 
@@ -40,7 +40,7 @@ impl Arrays {
         self.0.iter().find(|(known, _)| *known == name).unwrap().1.clone()
     }
 
-    /// The outcome of reading it as NPZ and as HDF5; both must agree but for the file's name.
+    /// The outcome of reading it as NPZ, as HDF5 and from memory; all must agree but for the file's name.
     fn read(&self) -> Result<Collection, String> {
         let directory = tempfile::tempdir().unwrap();
         let npz = directory.path().join("data.npz");
@@ -61,6 +61,13 @@ impl Arrays {
         };
         let (from_npz, from_hdf5) = (words(&npz), words(&hdf5));
         assert_eq!(from_npz, from_hdf5);
+        let named = |(name, array): &(&str, ArrayD<f64>)| NamedArray {
+            name: (*name).to_owned(),
+            descriptor: "<f8".to_owned(),
+            elements: Elements::Numbers(array.clone()),
+        };
+        let from_memory = Collection::from_arrays(self.0.iter().map(named).collect());
+        assert_eq!(from_npz, from_memory.map_err(|error| format!("data: {error}")));
         from_npz
     }
 
@@ -92,7 +99,7 @@ fn what_is_missing_or_misshapen_is_named_with_the_shape() {
         let other = if name == "times" { "`parameters`" } else { "`times`" };
         good()
             .with(name, None)
-            .refused(&[&format!("`{name}`"), shape, "missing; the file holds", other]);
+            .refused(&[&format!("`{name}`"), shape, "missing; there are", other]);
         let flat = ArrayD::zeros(vec![7, 2, 5]);
         good()
             .with(name, Some(flat))
@@ -287,6 +294,39 @@ fn arrays_of_other_types_are_named_with_the_remedy() {
         "length_unit",
         npy("'|S2'", "False", "(2,)", b"umum"),
         &["`length_unit` holds 2 texts, expected 1"],
+    );
+}
+
+#[test]
+fn texts_and_other_types_in_memory_are_taken_and_refused_as_from_files() {
+    let read = |name: &str, descriptor: &str, elements: Elements| {
+        let array = |name: &str, descriptor: &str, elements: Elements| NamedArray {
+            name: name.to_owned(),
+            descriptor: descriptor.to_owned(),
+            elements,
+        };
+        let mut arrays = vec![array(name, descriptor, elements)];
+        for (name, numbers) in Arrays::good().0 {
+            arrays.push(array(name, "<f8", Elements::Numbers(numbers)));
+        }
+        Collection::from_arrays(arrays).map_err(|error| error.to_string())
+    };
+    let names = || Elements::Texts(vec![" Q, flow ".to_owned()]);
+    assert_eq!(
+        read("parameter_names", "<U9", names()).unwrap().parameter_names,
+        ["Q, flow"]
+    );
+    assert_eq!(
+        read("velocities", "<U9", names()).unwrap_err(),
+        "array `velocities` holds text (`<U9`), expected real numbers: `.astype(float)` converts them"
+    );
+    assert_eq!(
+        read("velocities", "<c16", Elements::Others).unwrap_err(),
+        "array `velocities` holds complex numbers (`<c16`), expected real numbers: `.real` converts them"
+    );
+    assert_eq!(
+        read("length_unit", "|O", Elements::Others).unwrap_err(),
+        "array `length_unit` holds Python objects (`|O`), expected text of fixed length: `.astype(str)` converts them"
     );
 }
 

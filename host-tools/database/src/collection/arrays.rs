@@ -1,16 +1,13 @@
-//! A collection from named arrays of any file format.
+//! A collection from named arrays, of any file format or in memory.
 
 use ndarray::ArrayD;
-use std::path::Path;
 
 use super::{Collection, MAX_PARAMETERS, elements, numbered};
 use crate::DatabaseError;
 use crate::error::tuple;
 
-/// Named arrays in a file.
+/// Named arrays.
 pub(crate) trait Arrays {
-    /// The file.
-    fn path(&self) -> &Path;
     /// The names of all arrays.
     fn names(&self) -> &[String];
     /// The numbers of an array of any numeric type.
@@ -21,14 +18,6 @@ pub(crate) trait Arrays {
     /// Whether there is an array of that name.
     fn has(&self, name: &str) -> bool {
         self.names().iter().any(|known| known == name)
-    }
-
-    /// An error of this file.
-    fn malformed(&self, reason: String) -> DatabaseError {
-        DatabaseError::Malformed {
-            path: self.path().to_path_buf(),
-            reason,
-        }
     }
 }
 
@@ -81,7 +70,9 @@ fn texts(arrays: &mut impl Arrays, name: &str, expected: usize) -> Result<Vec<St
     let texts = arrays.texts(name)?;
     match texts.len() {
         found if found == expected => Ok(texts),
-        found => Err(arrays.malformed(format!("array `{name}` holds {found} texts, expected {expected}"))),
+        found => Err(DatabaseError::collection(format!(
+            "array `{name}` holds {found} texts, expected {expected}"
+        ))),
     }
 }
 
@@ -92,12 +83,12 @@ fn required(arrays: &mut impl Arrays, name: &str, shape: &[&str]) -> Result<Arra
     if !arrays.has(name) {
         let held: Vec<String> = arrays.names().iter().take(12).map(|name| format!("`{name}`")).collect();
         let held = if held.is_empty() {
-            "no array".to_owned()
+            "there is no array".to_owned()
         } else {
-            held.join(", ")
+            format!("there are {}", held.join(", "))
         };
-        return Err(arrays.malformed(format!(
-            "array `{name}` of shape {expected} is missing; the file holds {held}"
+        return Err(DatabaseError::collection(format!(
+            "array `{name}` of shape {expected} is missing; {held}"
         )));
     }
     let array = arrays.numbers(name)?;
@@ -115,7 +106,9 @@ fn required(arrays: &mut impl Arrays, name: &str, shape: &[&str]) -> Result<Arra
     let reversed = found.len() == shape.len() && found.iter().rev().zip(shape).all(fits);
     let hint = if reversed { ": transpose it by `.T`" } else { "" };
     let found = tuple(found);
-    Err(arrays.malformed(format!("array `{name}` has shape {found}, expected {expected}{hint}")))
+    Err(DatabaseError::collection(format!(
+        "array `{name}` has shape {found}, expected {expected}{hint}"
+    )))
 }
 
 /// `[N_c][N_t][N_x]` vectors of an array of shape (Nc, Nt, Nx, 3).

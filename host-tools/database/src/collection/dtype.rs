@@ -6,6 +6,8 @@ use half::f16;
 use ndarray_npy::{ReadDataError, ReadableElement};
 use py_literal::Value;
 
+use crate::DatabaseError;
+
 /// Bytes that are decoded at a time.
 const BLOCK: usize = 1 << 16;
 
@@ -157,8 +159,23 @@ fn decoded<T>(
     }
 }
 
+/// The elements of arrays of numbers, in words, and the remedy for others, if it is always the same.
+pub(crate) const NUMBERS: (&str, Option<&str>) = ("real numbers", None);
+
+/// The same of texts.
+pub(crate) const TEXTS: (&str, Option<&str>) = ("text of fixed length", Some(".astype(str)"));
+
+/// The error of an array with elements of another type than `expected`.
+pub(crate) fn refused(name: &str, kind: &Value, expected: &str, remedy: Option<&str>) -> DatabaseError {
+    let (found, conversion) = described(kind);
+    let remedy = remedy.unwrap_or(conversion);
+    DatabaseError::collection(format!(
+        "array `{name}` holds {found}, expected {expected}: `{remedy}` converts them"
+    ))
+}
+
 /// Elements that are no real numbers, in words, and the end of the NumPy expression that converts them.
-pub(crate) fn described(kind: &Value) -> (String, &'static str) {
+fn described(kind: &Value) -> (String, &'static str) {
     let Some(descriptor) = kind.as_string() else {
         let remedy = "numpy.lib.recfunctions.structured_to_unstructured";
         return (format!("records (`{kind}`)"), remedy);

@@ -92,10 +92,6 @@ impl Archive {
 }
 
 impl Arrays for Archive {
-    fn path(&self) -> &Path {
-        &self.path
-    }
-
     fn names(&self) -> &[String] {
         &self.names
     }

@@ -13,7 +13,8 @@
 //! | `parameter_names` | (P,) | optional texts |
 //! | `length_unit`, `time_unit` | () | optional texts |
 //!
-//! [`Collection::new`] checks both kinds: they must be one closed surface that moves.
+//! [`Collection::from_arrays`] takes the same arrays in memory. [`Collection::new`] checks all kinds: they must be one
+//! closed surface that moves.
 
 #[cfg(test)]
 mod array_tests;
@@ -21,6 +22,7 @@ mod arrays;
 mod closed;
 mod dtype;
 mod hdf5;
+mod memory;
 mod motion;
 mod npz;
 mod parameters;
@@ -29,6 +31,8 @@ pub mod series;
 mod spline;
 
 use std::path::Path;
+
+pub use memory::{Elements, NamedArray};
 
 use crate::{DatabaseError, Mesh, Status, Trajectory};
 
@@ -76,6 +80,15 @@ impl Collection {
             }),
         };
         Ok((collection.map_err(|error| error.read_from(path))?, Vec::new()))
+    }
+
+    /// A collection of arrays in memory, as [`Collection::read`] reads them from a file.
+    ///
+    /// # Errors
+    /// Arrays that are missing, misshapen, of another type or not finite, by name; collections that
+    /// [`Collection::new`] refuses.
+    pub fn from_arrays(arrays: Vec<NamedArray>) -> Result<Self, DatabaseError> {
+        arrays::collection(&mut memory::Memory::new(arrays))
     }
 
     /// A collection of given parts; velocities that are not there (an empty list) are derived from the positions. Names

@@ -6,7 +6,7 @@ use ndarray::ArrayD;
 use ndarray_npy::{ReadNpyError, ReadNpzError, ReadableElement};
 
 use super::arrays::Arrays;
-use super::dtype::{Real, Text, described};
+use super::dtype::{NUMBERS, Real, TEXTS, Text, refused};
 use crate::DatabaseError;
 use crate::npz::Reader;
 
@@ -24,28 +24,20 @@ impl Archive {
         Ok(Self { reader, names })
     }
 
-    /// The array, whose elements must be of a type that `T` takes; `expected` says which, with the remedy for text.
+    /// The array, whose elements must be of a type that `T` takes; `expected` says which, with the remedy for others.
     fn array<T: ReadableElement>(
         &mut self,
         name: &str,
-        expected: &str,
-        text: Option<&'static str>,
+        (expected, remedy): (&str, Option<&str>),
     ) -> Result<ArrayD<T>, DatabaseError> {
         let result = self.reader.by_name::<T>(name);
-        let path = self.path().to_path_buf();
         result.map_err(|error| match error {
-            ReadNpzError::Npy(ReadNpyError::WrongDescriptor(found)) => {
-                let (found, remedy) = described(&found);
-                let remedy = text.unwrap_or(remedy);
-                let reason = format!("array `{name}` holds {found}, expected {expected}: `{remedy}` converts them");
-                DatabaseError::Malformed { path, reason }
+            ReadNpzError::Npy(ReadNpyError::WrongDescriptor(kind)) => refused(name, &kind, expected, remedy),
+            ReadNpzError::Npy(ReadNpyError::ParseData(error)) => {
+                DatabaseError::collection(format!("array `{name}`: {error}"))
             }
-            ReadNpzError::Npy(ReadNpyError::ParseData(error)) => DatabaseError::Malformed {
-                path,
-                reason: format!("array `{name}`: {error}"),
-            },
             other => DatabaseError::Corrupt {
-                path,
+                path: self.reader.path().to_path_buf(),
                 reason: format!("array `{name}`: {other}"),
             },
         })
@@ -53,20 +45,16 @@ impl Archive {
 }
 
 impl Arrays for Archive {
-    fn path(&self) -> &Path {
-        self.reader.path()
-    }
-
     fn names(&self) -> &[String] {
         &self.names
     }
 
     fn numbers(&mut self, name: &str) -> Result<ArrayD<f64>, DatabaseError> {
-        Ok(self.array::<Real>(name, "real numbers", None)?.map(|Real(x)| *x))
+        Ok(self.array::<Real>(name, NUMBERS)?.map(|Real(x)| *x))
     }
 
     fn texts(&mut self, name: &str) -> Result<Vec<String>, DatabaseError> {
-        let texts = self.array::<Text>(name, "text of fixed length", Some(".astype(str)"))?;
+        let texts = self.array::<Text>(name, TEXTS)?;
         Ok(texts.into_iter().map(|Text(text)| text).collect())
     }
 }

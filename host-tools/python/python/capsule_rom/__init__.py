@@ -10,12 +10,15 @@ Lengths are in l (half the channel's side), velocities in V (mean velocity of th
 numbers are single precision: the bits of the command line, the browser and a microcontroller.
 """
 
-from ._core import MeasurementError, ModelFileError, QueryError, __version__
+from . import fom
+from ._core import DataError, MeasurementError, ModelFileError, QueryError, SolverError, __version__
 from .identification import Estimate, Identification
 from .model import Model, Parameter, load
+from .own_data import build
 from .prediction import Fields, Observables, Prediction, Totals
 
 __all__ = [
+    "DataError",
     "Estimate",
     "Fields",
     "Identification",
@@ -26,7 +29,10 @@ __all__ = [
     "Parameter",
     "Prediction",
     "QueryError",
+    "SolverError",
     "Totals",
     "__version__",
+    "build",
+    "fom",
     "load",
 ]

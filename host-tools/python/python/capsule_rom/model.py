@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from importlib import resources
+from pathlib import Path
 from typing import Literal, NamedTuple, Optional, Union
 
 import numpy as np
@@ -84,14 +86,18 @@ class Model:
 
     @property
     def elements(self) -> NDArray[np.uint16]:
-        """Elements as rows of node numbers: three corners, then for quadratic elements the middles of the edges
-        opposite to no corner of theirs, in the order 12, 23, 31."""
+        """Elements `(elements, 3)` or `(elements, 6)`: the nodes of each triangle, counter-clockwise seen from outside;
+        with 6 the mid-edges of (0, 1), (1, 2), (2, 0) last."""
         return self._core.elements()
 
     @property
     def samples(self) -> NDArray[np.float64]:
         """Sampled parameters `(samples, parameters)`."""
         return self._core.samples()
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the model file (.crom), whole or not at all. Raises OSError if it cannot be written."""
+        self._core.save(path)
 
     def node_set(self, name: str) -> NDArray[np.uint16]:
         """Node numbers of a named outline ("midplane", "diagonal"), front to rear.
@@ -197,7 +203,5 @@ def load(path: Union[str, os.PathLike[str], None] = None) -> Model:
 
     Raises OSError if the file cannot be read and `ModelFileError` if it is no valid model.
     """
-    if path is None:
-        return Model(_core.Model.shipped())
-    with open(path, "rb") as file:
-        return Model(_core.Model.open(file.read()))
+    file = resources.files(__package__).joinpath("capsule.crom") if path is None else Path(path)
+    return Model(_core.Model.open(file.read_bytes()))

@@ -160,10 +160,12 @@ class Prediction:
         self._batch.silhouette(angle, points, times, frame, out.reshape(-1))
         return out
 
-    def fields(self, t: ArrayLike) -> Fields:
-        """Mechanics of the membrane at all nodes."""
+    def fields(self, t: ArrayLike, out: Optional[Singles] = None) -> Fields:
+        """Mechanics of the membrane at all nodes. `out` has the shape `B + T + (15 * nodes,)`; the answer's arrays are
+        parts of it.
+        """
         count = self._model.node_count
-        times, out = self._prepare(t, (15 * count,), None)
+        times, out = self._prepare(t, (15 * count,), out)
         self._batch.fields(times, out.reshape(-1))
         scalars, vectors = out[..., : 6 * count], out[..., 6 * count :]
         return Fields(
