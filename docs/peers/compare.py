@@ -1,0 +1,286 @@
+#!/usr/bin/env python3
+"""Compares the model with other tools on the same snapshots; docs/reports/peers.md describes it.
+
+    python3 -m venv peers && . peers/bin/activate
+    pip install -r docs/peers/requirements.txt ./host-tools/python
+    python docs/peers/compare.py
+
+Writes docs/results/peers.json. The exported snapshots take 3 GB of memory.
+"""
+import os
+
+# One thread, for training and for queries.
+for pool in ("OMP", "OPENBLAS", "MKL", "RAYON"):
+    os.environ[f"{pool}_NUM_THREADS"] = "1"
+
+import argparse
+import contextlib
+import importlib.metadata
+import io
+import itertools
+import json
+import shutil
+import subprocess
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+import h5py
+import numpy as np
+from scipy.spatial import KDTree
+
+ROOT = Path(__file__).resolve().parents[2]
+END, STEP = 20.0, 0.8
+ERROR_TIMES = (8.0, 20.0)
+# Where the initial shape, and with it the solution, has a kink.
+KINK = 0.9
+CAPILLARY_NUMBERS = {"Ca": lambda ca: ca, "sqrt Ca": np.sqrt, "log Ca": np.log}
+# Of several ranks or numbers of modes the least counts whose mean error is not larger than the least one by more.
+AS_GOOD = 1.02
+
+
+class Arrays:
+    """An export: displacements from the mean over all configurations are what peers learn."""
+
+    def __init__(self, path):
+        with h5py.File(path) as file:
+            self.parameters, self.times = file["parameters"][()], file["times"][()]
+            self.positions = file["positions"][()]
+
+    def at(self, time):
+        return int(np.argmin(abs(self.times - time)))
+
+
+def ezyrb(approximation, rank):
+    """EZyRB: POD of whole trajectories, and an approximation of its coefficients."""
+
+    def train(x, y):
+        from ezyrb import POD, Database, ReducedOrderModel
+
+        rom = ReducedOrderModel(Database(x, y), POD("svd", rank=min(rank, len(y))), approximation()).fit()
+        return lambda q: rom.predict(q[None])[0]
+
+    return train
+
+
+def ezyrb_rbf(kernel, rank):
+    from ezyrb import RBF
+
+    return ezyrb(lambda: RBF(kernel=kernel), rank)
+
+
+def ezyrb_gpr(smoothness, rank):
+    from ezyrb import GPR
+    from sklearn.gaussian_process.kernels import ConstantKernel, Matern
+
+    kernel = ConstantKernel(1.0, (1e-3, 1e6)) * Matern([1.0, 1.0], (5e-2, 50.0), nu=smoothness)
+    return ezyrb(lambda: GPR(kern=kernel, optimization_restart=0), rank)
+
+
+def pymor_vkoga(length, rank):
+    """pyMOR: POD of whole trajectories, and a greedy kernel interpolation of its coefficients."""
+
+    def train(x, y):
+        from pymor.algorithms.ml.vkoga import GaussianKernel, VKOGARegressor
+        from pymor.algorithms.pod import pod
+        from pymor.core.logger import set_log_levels
+        from pymor.vectorarrays.numpy import NumpyVectorSpace
+
+        set_log_levels({"pymor": "ERROR"})
+        snapshots = NumpyVectorSpace.from_numpy(y.T)
+        modes, _ = pod(snapshots, modes=min(rank, len(y)), rtol=1e-9)
+        coefficients = snapshots.inner(modes)
+        scale = np.abs(coefficients).max()
+        regressor = VKOGARegressor(GaussianKernel(length), max_centers=len(x), tol=1e-12, reg=1e-10)
+        regressor.fit(x, coefficients / scale)
+        return lambda q: modes.lincomb(regressor.predict(q[None]).T * scale).to_numpy()[:, 0]
+
+    return train
+
+
+def smt_kriging(correlation, rank):
+    """SMT: POD of whole trajectories, and a kriging of each coefficient."""
+
+    def train(x, y):
+        from smt.applications import PODI
+
+        model = PODI()
+        model.compute_pod(y.T, pod_type="global", n_modes=min(rank, len(y) - 1), seed=0)
+        options = dict(corr=correlation, poly="linear", theta0=[0.1], n_start=1, print_global=False)
+        model.set_interp_options("KRG", [options])
+        model.set_training_values(x)
+        model.train()
+        return lambda q: model.predict_values(q[None])[:, 0]
+
+    return train
+
+
+# Maker and its settings; the last one is the number of modes.
+PEERS = {
+    "EZyRB, POD + RBF": (ezyrb_rbf, ["thin_plate_spline", "cubic", "quintic"], [30, 10**6]),
+    "EZyRB, POD + GPR": (ezyrb_gpr, [1.5, 2.5], [30]),
+    "pyMOR, POD + VKOGA": (pymor_vkoga, [0.25, 0.5, 1.0, 2.0], [10**6]),
+    "SMT, POD + kriging": (smt_kriging, ["matern52", "squar_exp"], [20]),
+}
+
+
+class Peer:
+    """A peer with its settings, the capillary number transformed, one model or one on each side of the kink."""
+
+    def __init__(self, train, transform, split, parameters, y):
+        self.split, self.transform = split, CAPILLARY_NUMBERS[transform]
+        confinement = parameters[:, 1]
+        sides = [confinement < KINK + 1e-9, confinement > KINK - 1e-9] if split else [confinement > 0]
+        self.sides = []
+        for side in sides:
+            x = self.inputs(parameters[side])
+            low, size = x.min(0), np.ptp(x, axis=0)
+            self.sides.append((low, size, train((x - low) / size, y[side])))
+
+    def inputs(self, parameters):
+        parameters = np.asarray(parameters, float)
+        return np.stack([self.transform(parameters[..., 0]), parameters[..., 1]], axis=-1)
+
+    def __call__(self, query):
+        low, size, predict = self.sides[int(self.split and query[1] > KINK)]
+        return predict((self.inputs(query) - low) / size)
+
+
+def hausdorff(a, b):
+    """The modified Hausdorff distance."""
+    return max(KDTree(b).query(a)[0].mean(), KDTree(a).query(b)[0].mean())
+
+
+def statistics(errors):
+    return {"mean_percent": 100 * float(np.mean(errors)), "max_percent": 100 * float(np.max(errors))}
+
+
+def measure(answer, tests, indices):
+    """Errors over a, and the processor time of a query; `answer` gives all nodes at all instants."""
+    errors = {time_: ([], []) for time_ in ERROR_TIMES}
+    seconds = []
+    answer(tests.parameters[indices[0]])
+    for index in indices:
+        query = tests.parameters[index]
+        start = time.process_time()
+        positions = answer(query)
+        seconds.append(time.process_time() - start)
+        for instant, (distances, apart) in errors.items():
+            found, true = positions[tests.at(instant)], tests.positions[index, tests.at(instant)]
+            distances.append(hausdorff(found, true) / query[1])
+            apart.append(np.linalg.norm(found - true, axis=1).mean() / query[1])
+    instants = [
+        {"t": instant, "hausdorff": statistics(distances), "nodes": statistics(apart)}
+        for instant, (distances, apart) in errors.items()
+    ]
+    return {"instants": instants, "query_ms": 1e3 * float(np.median(seconds))}
+
+
+def tuned(name, samples, tests, indices, y, mean):
+    """The best settings of a peer: least mean distance of the nodes at t = 8 on the test set itself."""
+    # In an orthonormal basis of the snapshots all is as in the full space, and short.
+    basis, coefficients = np.linalg.qr(y.T)
+    nodes = 3 * samples.positions.shape[2]
+    at_8 = slice(samples.at(8.0) * nodes, (samples.at(8.0) + 1) * nodes)
+    maker, kernels, ranks = PEERS[name]
+    tried = []
+    for transform, split, kernel, rank in itertools.product(CAPILLARY_NUMBERS, [False, True], kernels, ranks):
+        peer = Peer(maker(kernel, rank), transform, split, samples.parameters, coefficients.T)
+        errors = []
+        for index in indices:
+            found = (basis[at_8] @ peer(tests.parameters[index]) + mean[at_8]).reshape(-1, 3)
+            true = tests.positions[index, tests.at(8.0)]
+            errors.append(np.linalg.norm(found - true, axis=1).mean() / tests.parameters[index, 1])
+        settings = {"capillary_number": transform, "split": split, "kernel": kernel, "modes": rank}
+        tried.append(settings | {"nodes_t8": statistics(errors)})
+    best = min(entry["nodes_t8"]["mean_percent"] for entry in tried)
+    as_good = [entry for entry in tried if entry["nodes_t8"]["mean_percent"] <= AS_GOOD * best]
+    return min(as_good, key=lambda entry: (entry["modes"], entry["nodes_t8"]["mean_percent"])), tried
+
+
+def compare(design, database, model, tests, settings, command, folder):
+    """All tools on the snapshots of one design."""
+    export = folder / f"{design}.h5"
+    run(command, "database", "export", database, "--t", f"0:{END}:{STEP}", "--hdf5", export, "--quiet")
+    samples = Arrays(export)
+    indices = [int(i) for i in np.nonzero(inside(model, tests))[0]]
+    results = {"samples": len(samples.parameters), "queries": len(indices), "tools": []}
+    for method in ("direct", "paper"):
+        answer = lambda query: model.predict(*query, method=method).positions(tests.times).astype(float)
+        results["tools"].append({"tool": f"capsule-rom, {method}"} | measure(answer, tests, indices))
+    y = samples.positions.reshape(len(samples.positions), -1)
+    mean = y.mean(0)
+    y -= mean
+    shape = samples.positions.shape[1:]
+    for name in PEERS:
+        start = time.process_time()
+        if name not in settings:
+            settings[name], tried = tuned(name, samples, tests, indices, y, mean)
+            results.setdefault("tried", {})[name] = tried
+        chosen = {key: settings[name][key] for key in ("capillary_number", "split", "kernel", "modes")}
+        train = PEERS[name][0](chosen["kernel"], chosen["modes"])
+        began = time.process_time()
+        peer = Peer(train, chosen["capillary_number"], chosen["split"], samples.parameters, y)
+        trained = time.process_time()
+        measured = measure(lambda query: (peer(query) + mean).reshape(shape), tests, indices)
+        entry = {"tool": name, "settings": chosen, "tuning_s": began - start, "training_s": trained - began}
+        results["tools"].append(entry | measured)
+        print(design, name, chosen, measured, flush=True)
+    return results
+
+
+def inside(model, tests):
+    """Whether the model answers for the configurations of the test set."""
+    return model.predict(*tests.parameters.T, invalid="nan").domain() == "inside"
+
+
+def run(command, *arguments):
+    subprocess.run([command, *map(str, arguments)], check=True, cwd=ROOT)
+
+
+def paper_design(folder):
+    """A database of the paper's 122 configurations alone."""
+    folder.mkdir()
+    source = ROOT / "models/database"
+    names = ["database.json", "mesh.npz"]
+    capillary_numbers = [0.005] + [0.01 * k for k in range(1, 21)]
+    for ca, confinement in itertools.product(capillary_numbers, [0.75 + 0.05 * k for k in range(10)]):
+        name = f"ca{ca:.4f}_al{confinement:.4f}.npz"
+        if (source / name).exists() and b'"steady"' in np.load(source / name)["status"].tobytes():
+            names.append(name)
+    for name in names:
+        shutil.copy(source / name, folder / name)
+    return folder
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--command", default=str(ROOT / "target/release/capsule-rom"), help="the capsule-rom command")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs/results/peers.json")
+    options = parser.parse_args()
+    import capsule_rom
+
+    warnings.filterwarnings("ignore", module="sklearn|pymor|ezyrb|smt")
+    packages = ["ezyrb", "pymor", "smt", "scikit-learn", "scipy", "numpy"]
+    results = {"versions": {name: importlib.metadata.version(name) for name in packages}, "instants": 0, "designs": {}}
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        truth = folder / "test-set.h5"
+        command = options.command
+        run(command, "database", "export", "models/test-set", "--t", f"0:{END}:{STEP}", "--hdf5", truth, "--quiet")
+        tests = Arrays(truth)
+        results["instants"] = len(tests.times)
+        small = paper_design(folder / "paper")
+        run(command, "offline", "build", "--database", small, "--out", folder / "paper.crom", "--quiet")
+        settings = {}
+        for design, database, model in [
+            ("paper", small, capsule_rom.load(folder / "paper.crom")),
+            ("shipped", "models/database", capsule_rom.load()),
+        ]:
+            results["designs"][design] = compare(design, database, model, tests, settings, command, folder)
+    options.out.write_text(json.dumps(results, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
