@@ -34,8 +34,6 @@ ERROR_TIMES = (8.0, 20.0)
 # Where the initial shape, and with it the solution, has a kink.
 KINK = 0.9
 CAPILLARY_NUMBERS = {"Ca": lambda ca: ca, "sqrt Ca": np.sqrt, "log Ca": np.log}
-# Of several ranks or numbers of modes the least counts whose mean error is not larger than the least one by more.
-AS_GOOD = 1.05
 REPETITIONS = 3
 # More modes than there are.
 ALL = 10**6
@@ -117,12 +115,19 @@ def smt_kriging(correlation, rank):
     return train
 
 
-# Maker and its settings; the last one is the number of modes.
+# For each peer its maker, and the settings that `--tune` found: see SEARCH.
 PEERS = {
-    "EZyRB, POD + RBF": (ezyrb_rbf, ["thin_plate_spline", "cubic", "quintic"], [30, ALL]),
-    "EZyRB, POD + GPR": (ezyrb_gpr, [1.5, 2.5], [8, 15, 30]),
-    "pyMOR, POD + VKOGA": (pymor_vkoga, [0.35, 0.5, 0.7, 1.0], [ALL]),
-    "SMT, POD + kriging": (smt_kriging, ["matern52", "squar_exp"], [12]),
+    "EZyRB, POD + RBF": (ezyrb_rbf, ("sqrt Ca", True, "cubic", 30)),
+    "EZyRB, POD + GPR": (ezyrb_gpr, ("sqrt Ca", False, 1.5, 15)),
+    "pyMOR, POD + VKOGA": (pymor_vkoga, ("sqrt Ca", True, 0.5, ALL)),
+    "SMT, POD + kriging": (smt_kriging, ("sqrt Ca", True, "matern52", 12)),
+}
+# Kernels and numbers of modes that `--tune` tries, each with all capillary numbers, with the split and without.
+SEARCH = {
+    "EZyRB, POD + RBF": (["thin_plate_spline", "cubic", "quintic"], [30, ALL]),
+    "EZyRB, POD + GPR": ([1.5, 2.5], [8, 15, 30]),
+    "pyMOR, POD + VKOGA": ([0.35, 0.5, 0.7, 1.0], [ALL]),
+    "SMT, POD + kriging": (["matern52"], [12]),
 }
 
 
@@ -182,62 +187,47 @@ def measure(answer, tests, indices):
     return {"instants": instants, "query_ms": 1e3 * float(np.median(seconds))}
 
 
-def tuned(name, compact, parameters, tests, indices):
-    """The best settings of a peer: least mean distance of the nodes at t = 8 on the test set itself.
-
-    `compact` holds the snapshots at t = 8 as a basis, their mean, and the coefficients of all instants.
-    """
-    basis, mean, coefficients = compact
-    maker, kernels, ranks = PEERS[name]
-    tried = []
-    for transform, split, kernel, rank in itertools.product(CAPILLARY_NUMBERS, [False, True], kernels, ranks):
-        peer = Peer(maker(kernel, rank), transform, split, parameters, coefficients)
-        errors = []
-        for index in indices:
-            found = (basis @ peer(tests.parameters[index]) + mean).reshape(-1, 3)
-            true = tests.positions[index, tests.at(8.0)]
-            errors.append(np.linalg.norm(found - true, axis=1).mean() / tests.parameters[index, 1])
-        settings = {"capillary_number": transform, "split": split, "kernel": kernel, "modes": rank}
-        tried.append(settings | {"nodes_t8": statistics(errors)})
-    best = min(entry["nodes_t8"]["mean_percent"] for entry in tried)
-    as_good = [entry for entry in tried if entry["nodes_t8"]["mean_percent"] <= AS_GOOD * best]
-    return min(as_good, key=lambda entry: (entry["modes"], entry["nodes_t8"]["mean_percent"])), tried
-
-
-def orthonormal(samples, y, mean):
-    """The snapshots in an orthonormal basis: all is as in the full space, and short. Of basis and mean t = 8 alone."""
+def tune(samples, tests):
+    """Prints the mean distances of the nodes at t = 8, at every third query, of all settings."""
+    y, mean, _ = displacements(samples)
+    # In an orthonormal basis of the snapshots all is as in the full space, and short.
     basis, coefficients = np.linalg.qr(y.T)
     size = 3 * samples.positions.shape[2]
     at_8 = slice(samples.at(8.0) * size, (samples.at(8.0) + 1) * size)
-    return basis[at_8], mean[at_8], coefficients.T
+    basis, mean = basis[at_8], mean[at_8]
+    for name, (kernels, ranks) in SEARCH.items():
+        for transform, split, kernel, rank in itertools.product(CAPILLARY_NUMBERS, [False, True], kernels, ranks):
+            peer = Peer(PEERS[name][0](kernel, rank), transform, split, samples.parameters, coefficients.T)
+            errors = []
+            for index in range(0, len(tests.parameters), 3):
+                found = (basis @ peer(tests.parameters[index]) + mean).reshape(-1, 3)
+                true = tests.positions[index, tests.at(8.0)]
+                errors.append(np.linalg.norm(found - true, axis=1).mean() / tests.parameters[index, 1])
+            print(name, transform, "split" if split else "", kernel, rank, statistics(errors), sep="; ", flush=True)
 
 
-def compare(samples, model, tests, settings):
+def displacements(samples):
+    """A row for each configuration, relative to the mean; the mean; the shape of a trajectory."""
+    y = samples.positions.reshape(len(samples.positions), -1)
+    mean = y.mean(0)
+    return y - mean, mean, samples.positions.shape[1:]
+
+
+def compare(samples, model, tests, indices):
     """All tools on the snapshots of one design; the results, after each tool."""
-    indices = [int(i) for i in np.nonzero(inside(model, tests))[0]]
     results = {"samples": len(samples.parameters), "queries": len(indices), "tools": []}
     for method in ("direct", "paper"):
         answer = lambda query: model.predict(*query, method=method).positions(tests.times).astype(float)
         results["tools"].append({"tool": f"capsule-rom, {method}"} | measure(answer, tests, indices))
-    y = samples.positions.reshape(len(samples.positions), -1)
-    mean = y.mean(0)
-    y -= mean
-    shape, compact = samples.positions.shape[1:], None
-    for name in PEERS:
+    y, mean, shape = displacements(samples)
+    for name, (maker, (transform, split, kernel, rank)) in PEERS.items():
         start = time.process_time()
-        if name not in settings:
-            compact = compact or orthonormal(samples, y, mean)
-            settings[name], tried = tuned(name, compact, samples.parameters, tests, indices)
-            results.setdefault("tried", {})[name] = tried
-        chosen = {key: settings[name][key] for key in ("capillary_number", "split", "kernel", "modes")}
-        train = PEERS[name][0](chosen["kernel"], chosen["modes"])
-        began = time.process_time()
-        peer = Peer(train, chosen["capillary_number"], chosen["split"], samples.parameters, y)
+        peer = Peer(maker(kernel, rank), transform, split, samples.parameters, y)
         trained = time.process_time()
         measured = measure(lambda query: (peer(query) + mean).reshape(shape), tests, indices)
-        chosen["modes"] = [min(chosen["modes"], count) for count in peer.counts]
-        entry = {"tool": name, "settings": chosen, "tuning_s": began - start, "training_s": trained - began}
-        entry["basis_mb"] = 8e-6 * sum(chosen["modes"]) * y.shape[1]
+        modes = [min(rank, count) for count in peer.counts]
+        entry = {"tool": name, "capillary_number": transform, "split": split, "kernel": kernel, "modes": modes}
+        entry |= {"training_s": trained - start, "basis_mb": 8e-6 * sum(modes) * y.shape[1]}
         results["tools"].append(entry | measured)
         yield results
 
@@ -277,6 +267,7 @@ def main():
     parser.add_argument("--command", default=str(ROOT / "target/release/capsule-rom"), help="the capsule-rom command")
     parser.add_argument("--out", type=Path, default=ROOT / "docs/results/peers.json")
     parser.add_argument("--folder", type=Path, help="where exports stay, and are taken from if they are there")
+    parser.add_argument("--tune", action="store_true", help="only print the errors of other settings of the peers")
     options = parser.parse_args()
     import capsule_rom
 
@@ -290,13 +281,13 @@ def main():
         small = paper_design(folder / "paper")
         if not (folder / "paper.crom").exists():
             run(command, "offline", "build", "--database", small, "--out", folder / "paper.crom", "--quiet")
-        settings = {}
-        for design, database, model in [
-            ("paper", small, capsule_rom.load(folder / "paper.crom")),
-            ("shipped", "models/database", capsule_rom.load(ROOT / "models/capsule.crom")),
-        ]:
+        if options.tune:
+            return tune(Arrays(exported(command, small, folder / "paper.h5")), tests)
+        models = [capsule_rom.load(path) for path in (folder / "paper.crom", ROOT / "models/capsule.crom")]
+        indices = [int(i) for i in np.flatnonzero(inside(models[0], tests) & inside(models[1], tests))]
+        for design, database, model in zip(["paper", "shipped"], [small, "models/database"], models):
             samples = Arrays(exported(command, database, folder / f"{design}.h5"))
-            for results["designs"][design] in compare(samples, model, tests, settings):
+            for results["designs"][design] in compare(samples, model, tests, indices):
                 options.out.write_text(json.dumps(results, indent=1) + "\n")
 
 

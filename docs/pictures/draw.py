@@ -108,7 +108,8 @@ def peers():
     colours = {"paper": "#b3541e", "shipped": "#2f6f9f"}
     for (design, colour), y in zip(colours.items(), (60, 80)):
         count = designs[design]["samples"]
-        body.append(f'<circle cx="530" cy="{y - 4}" r="5" fill="{colour}"/><text x="542" y="{y}">{count} samples</text>')
+        body.append(f'<circle cx="530" cy="{y - 4}" r="5" fill="{colour}"/>')
+        body.append(f'<text x="542" y="{y}">{count} samples</text>')
         for entry in designs[design]["tools"]:
             at_8 = next(instant for instant in entry["instants"] if instant["t"] == 8)
             x, y_ = px(at_8["hausdorff"]["mean_percent"]), py(entry["query_ms"])
