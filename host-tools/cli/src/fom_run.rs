@@ -36,7 +36,7 @@ pub struct Options {
     #[arg(long, value_name = "FILE", requires = "fields")]
     csv: Option<PathBuf>,
     /// Write positions, velocities and fields as arrays for NumPy
-    #[arg(long, value_name = "FILE", requires = "fields")]
+    #[arg(long, value_name = "FILE")]
     npz: Option<PathBuf>,
     /// No progress bar
     #[arg(short, long)]

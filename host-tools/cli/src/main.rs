@@ -1,6 +1,7 @@
 //! `capsule-rom`: the full-order solver, the offline stage, predictions and studies from the command line.
 
 mod bending_effect;
+mod database_export;
 mod database_merge;
 mod fields;
 mod fom_convergence;
@@ -110,6 +111,8 @@ enum Fom {
 enum Data {
     /// Merge the parts of a sweep into one database
     Merge(database_merge::Options),
+    /// Write a database as plain arrays for other programs: NPZ, HDF5 or VTU
+    Export(database_export::Options),
 }
 
 #[derive(Subcommand)]
@@ -154,6 +157,7 @@ fn main() -> ExitCode {
         Command::Fom(Fom::Convergence(options)) => fom_convergence::run(&options),
         Command::Fom(Fom::Integrators(options)) => fom_integrators::run(&options),
         Command::Database(Data::Merge(options)) => database_merge::run(&options),
+        Command::Database(Data::Export(options)) => database_export::run(&options),
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
         Command::Identify(options) => identify::run(&options),

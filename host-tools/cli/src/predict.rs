@@ -11,7 +11,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use capsule_core::model::{Reference, Units};
 use capsule_core::{Domain, EvaluateError, Evaluator, Method, Model, Parameters, Query, Real, Workspace};
 use capsule_database::fields::{write_csv, write_npz};
-use capsule_database::{table, vtu};
+use capsule_database::{stl, table, vtu};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -48,6 +48,9 @@ pub struct Options {
     /// Write the surfaces as a ParaView series (PVD and VTU) into this folder
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
+    /// Write the surface at the one instant of --t as binary STL
+    #[arg(long, value_name = "FILE")]
+    stl: Option<PathBuf>,
     /// Plot the sections z = 0 and y = z (.png or .svg)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -59,6 +62,7 @@ Examples:
   capsule-rom predict --ca 0.03 --confinement 1.10 --t 8 --method paper --json
   capsule-rom predict --ca 0.10 --confinement 0.90 --t 0,3,9 --vtu paraview/ --plot sections.svg
   capsule-rom predict --ca 0.05 --confinement 1.00 --t 5 --fields tension,load --vtu paraview/
+  capsule-rom predict --ca 0.10 --confinement 0.90 --t 8 --stl capsule.stl
   capsule-rom predict --model data.crom --parameters flow_rate=1.2,stiffness=0.4 --t 0.5,1
   capsule-rom predict --model data.crom --parameters '\"Q, flow\"=1.2' --parameters G=0.4 --t 0.5,1
 
@@ -178,9 +182,15 @@ pub fn run(options: &Options) -> Result<()> {
         .folder("--vtu", options.vtu.as_deref())
         .file("--csv", options.csv.as_deref())
         .file("--npz", options.npz.as_deref())
+        .file("--stl", options.stl.as_deref())
         .figure("--plot", options.plot.as_deref())
         .checked()?;
     let times = rising(&options.t)?;
+    ensure!(
+        options.stl.is_none() || times.len() == 1,
+        "--stl holds the surface at one instant: name one by --t instead of {}",
+        times.len()
+    );
     let bytes = options.model.read()?;
     let model = options.model.open(&bytes)?;
     match model.reference() {
@@ -240,7 +250,7 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         if prediction.extrapolated { "; EXTRAPOLATED" } else { "" },
     );
     let nodal_csv = options.csv.as_deref().filter(|_| mechanics.is_some());
-    if options.vtu.is_some() || options.npz.is_some() || nodal_csv.is_some() {
+    if options.vtu.is_some() || options.npz.is_some() || options.stl.is_some() || nodal_csv.is_some() {
         let surfaces = times
             .iter()
             .map(|&t| surface(model, &mut evaluator, mechanics.as_mut(), t))
@@ -254,6 +264,9 @@ fn answer<T: Precision>(options: &Options, model: &Model<'_>, times: &[f64], mut
         }
         if let Some(file) = &options.npz {
             outputs.write(file, |file| write_npz(file, &mesh, &instants))?;
+        }
+        if let (Some(file), [surface]) = (&options.stl, &surfaces[..]) {
+            outputs.write(file, |file| stl::write(file, &mesh, &surface.positions))?;
         }
         if let Some(file) = nodal_csv {
             let title = format!("capsule-rom predict; {title}");

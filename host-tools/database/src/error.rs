@@ -201,6 +201,25 @@ pub enum DatabaseError {
         /// "steady", "unsteady" or "stopped".
         status: &'static str,
     },
+    /// No configuration of a database has snapshots at a requested instant.
+    #[error("the database has no snapshots at t = {time}; those around it are {}", tuple(around))]
+    NoInstant {
+        /// The requested instant.
+        time: f64,
+        /// The instants of the database before and after it.
+        around: Vec<f64>,
+    },
+    /// No configuration of a database can be exported.
+    #[error("{}: no configuration is steady or has snapshots to t = {end}: there is nothing to export", path.display())]
+    NothingToExport {
+        /// The directory.
+        path: PathBuf,
+        /// The last of the requested instants.
+        end: f64,
+    },
+    /// The caller asked to end the work.
+    #[error("interrupted, nothing is written")]
+    Interrupted,
 }
 
 impl DatabaseError {

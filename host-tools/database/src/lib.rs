@@ -12,8 +12,9 @@
 //! of the square is found in it and only one sector of the nodes is kept ([`Symmetry`]), and the numbers are predicted
 //! from their past and kept as small integers ([`compact`]). The files are plain NPZ, which NumPy opens.
 //!
-//! [`vtu`] writes for ParaView, [`export_npz`] plain arrays for NumPy, [`fields`] quantities at the nodes, [`table`]
-//! other tables. What belongs together appears together: [`Staging`].
+//! [`Export`] writes a database as plain arrays, [`vtu`] an instant or a motion for ParaView, [`stl`] a surface,
+//! [`export_npz`] a trajectory for NumPy, [`fields`] quantities at the nodes, [`table`] other tables. What belongs
+//! together appears together: [`Staging`].
 //!
 //! Lengths are in l (half the duct's side), velocities in V, times in l/V.
 
@@ -24,6 +25,7 @@ pub mod compact;
 mod database;
 mod description;
 mod error;
+pub mod export;
 pub mod fields;
 mod instant;
 mod merge;
@@ -31,6 +33,7 @@ mod mesh;
 mod mesh_file;
 mod npz;
 mod predictor;
+pub mod stl;
 mod symmetry;
 pub mod table;
 mod trajectory;
@@ -42,6 +45,7 @@ pub use collection::Collection;
 pub use database::{Database, Entry};
 pub use description::{Description, Difference, Parameter};
 pub use error::DatabaseError;
+pub use export::Export;
 pub use instant::{Instant, PointData};
 pub use merge::Merge;
 pub use mesh::Mesh;

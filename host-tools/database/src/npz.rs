@@ -12,6 +12,14 @@ use zip::write::SimpleFileOptions;
 use crate::error::length;
 use crate::{DatabaseError, Mesh, Trajectory, atomic};
 
+/// Options of an entry that is deflated at this level. The date is fixed: equal contents give equal bytes.
+pub(crate) fn options(level: i64) -> SimpleFileOptions {
+    SimpleFileOptions::default()
+        .compression_method(zip::CompressionMethod::Deflated)
+        .compression_level(Some(level))
+        .last_modified_time(zip::DateTime::default())
+}
+
 /// Arrays on their way into an archive, which is made in memory and appears on the disk whole.
 pub(crate) struct Writer {
     path: PathBuf,
@@ -20,12 +28,7 @@ pub(crate) struct Writer {
 
 impl Writer {
     pub(crate) fn new(path: &Path) -> Self {
-        // A fixed date: equal contents give equal bytes.
-        let options = SimpleFileOptions::default()
-            .compression_method(zip::CompressionMethod::Deflated)
-            .compression_level(Some(9))
-            .last_modified_time(zip::DateTime::default());
-        let archive = NpzWriter::new_with_options(Cursor::new(Vec::new()), options);
+        let archive = NpzWriter::new_with_options(Cursor::new(Vec::new()), options(9));
         Writer {
             path: path.to_path_buf(),
             archive,

@@ -63,7 +63,7 @@ pub struct Trajectory {
 }
 
 /// Instants closer than this (l/V) are the same.
-const SAME_TIME: f64 = 1e-9;
+pub(crate) const SAME_TIME: f64 = 1e-9;
 
 impl Trajectory {
     /// Checks that the instants increase, that all arrays have one entry an instant and one value a node, and that
