@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, describe, test } from "node:test";
-import { drop, identified, identify, picture, pointsText, SETUP, section } from "./outlines.mjs";
+import { assertSame, drop, identified, identify, picture, pointsText, SETUP, section } from "./outlines.mjs";
 import { explorer, figures, otherModel, settled } from "./support.mjs";
 
 const { open, onPage } = explorer();
@@ -33,31 +33,6 @@ async function saved(page, format) {
     page.getByRole("button", { name: `Answer, ${format}`, exact: true }).click(),
   ]);
   return { name: download.suggestedFilename(), text: readFileSync(await download.path(), "utf8") };
-}
-
-/** All numbers of an answer by their keys. */
-function numbers(answer, path = "") {
-  return Object.entries(answer).flatMap(([key, value]) => {
-    if (typeof value === "number" || value === null) return [[path + key, value]];
-    return typeof value === "object" ? numbers(value, `${path + key}.`) : [];
-  });
-}
-
-/** Both answers have the same keys and the same numbers, but for the last bits that functions of two systems give. */
-function assertSame(found, expected) {
-  assert.equal(found.verdict, expected.verdict);
-  const [own, other] = [numbers(found), numbers(expected)];
-  assert.deepEqual(
-    own.map(([key]) => key),
-    other.map(([key]) => key),
-  );
-  assert.ok(own.length > 30, `${own.length} numbers`);
-  own.forEach(([key, value], i) => {
-    const wanted = other[i][1];
-    const isSame =
-      wanted === null ? value === null : Math.abs(value - wanted) <= 1e-7 * Math.max(Math.abs(wanted), 1e-3);
-    assert.ok(isSame, `${key}: ${value}, by the command ${wanted}`);
-  });
 }
 
 describe("a contour", () => {

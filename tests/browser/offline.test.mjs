@@ -2,24 +2,13 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createServer } from "node:http";
+import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { extname, join, resolve } from "node:path";
+import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { openPage, otherModel, startBrowser } from "./support.mjs";
-
-const EXPLORER = resolve(import.meta.dirname, "../../wasm/explorer");
-const TYPES = {
-  ".html": "text/html",
-  ".js": "text/javascript",
-  ".css": "text/css",
-  ".wasm": "application/wasm",
-  ".txt": "text/plain",
-  ".svg": "image/svg+xml",
-  ".webmanifest": "application/manifest+json",
-};
+import { serveFolder } from "./static-server.mjs";
+import { DIST, EXPLORER, openPage, otherModel, startBrowser } from "./support.mjs";
 
 let browser;
 let folder;
@@ -33,25 +22,11 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-/** Serves a folder below a path, as a server of several sites does, for one test; `stop` cuts the network. */
+/** Serves a folder for one test; `stop` cuts the network. */
 async function serve(context, files) {
-  const server = createServer((request, response) => {
-    const path = new URL(request.url, "http://x").pathname.replace(/^\/explorer\//, "").replace(/^$/, "index.html");
-    const file = join(files, path);
-    if (!request.url.startsWith("/explorer/") || !existsSync(file)) {
-      response.writeHead(404).end();
-      return;
-    }
-    response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream" });
-    response.end(readFileSync(file));
-  });
-  await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
-  const stop = () => {
-    server.close();
-    server.closeAllConnections();
-  };
-  context.after(stop);
-  return { url: `http://127.0.0.1:${server.address().port}/explorer/`, stop };
+  const server = await serveFolder(files);
+  context.after(server.stop);
+  return server;
 }
 
 const open = (url) => openPage(browser, url, { isKept: true });
@@ -60,7 +35,7 @@ const digest = (page) => page.getAttribute("#model", "data-digest");
 const ready = (page) => page.waitForFunction(() => document.body.dataset.status === "ready");
 
 test("the page works without a network after the first visit", async (context) => {
-  const server = await serve(context, resolve(EXPLORER, "dist"));
+  const server = await serve(context, DIST);
   const { page, errors, close } = await open(`${server.url}#ca=0.05&al=0.9&t=3&views=midplane`);
   await kept(page);
   const model = await digest(page);
@@ -83,7 +58,7 @@ test("the page works without a network after the first visit", async (context) =
 
 test("a new version is offered, and takes the place of the one before", async (context) => {
   const first = join(folder, "page");
-  cpSync(resolve(EXPLORER, "dist"), first, { recursive: true });
+  cpSync(DIST, first, { recursive: true });
   const server = await serve(context, first);
   const { page, errors, close } = await open(`${server.url}#ca=0.05&al=0.9&t=3&views=midplane`);
   await kept(page);
@@ -113,7 +88,7 @@ test("a new version is offered, and takes the place of the one before", async (c
 
 test("a page in a frame is not kept", async (context) => {
   const site = join(folder, "site");
-  cpSync(resolve(EXPLORER, "dist"), site, { recursive: true });
+  cpSync(DIST, site, { recursive: true });
   writeFileSync(join(site, "frame.html"), '<iframe src="./?controls=none#views=midplane"></iframe>');
   const server = await serve(context, site);
   const page = await browser.newPage();
@@ -129,7 +104,7 @@ test("a page in a frame is not kept", async (context) => {
 test("opened as a file the page says how to serve it", async () => {
   const context = await browser.newContext();
   const page = await context.newPage();
-  await page.goto(pathToFileURL(resolve(EXPLORER, "dist/index.html")).href);
+  await page.goto(pathToFileURL(join(DIST, "index.html")).href);
   const words = await page.innerText("body");
   assert.match(words, /has to be served[\s\S]*python3 -m http\.server[\s\S]*cargo xtask explore/);
   await context.close();

@@ -1,5 +1,6 @@
 // Outlines of capsules for the tests: as a text of points in um, and as a picture.
 
+import assert from "node:assert/strict";
 import { crc32, deflateSync } from "node:zlib";
 import { capsuleRom, MODEL, openModel } from "./support.mjs";
 
@@ -11,6 +12,31 @@ const OPTIONS = ["--half-width-um", HALF_WIDTH_UM, "--velocity-mm-s", 5, "--visc
 /** The answer of `capsule-rom identify` for a file. */
 export function identify(file, options = ["-o", "midplane"]) {
   return JSON.parse(capsuleRom(["identify", file, ...OPTIONS, ...options, "--model", MODEL, "--json"]));
+}
+
+/** All numbers of an answer by their keys. */
+function numbers(answer, path = "") {
+  return Object.entries(answer).flatMap(([key, value]) => {
+    if (typeof value === "number" || value === null) return [[path + key, value]];
+    return typeof value === "object" ? numbers(value, `${path + key}.`) : [];
+  });
+}
+
+/** Both answers have the same keys and the same numbers, but for the last bits that functions of two systems give. */
+export function assertSame(found, expected) {
+  assert.equal(found.verdict, expected.verdict);
+  const [own, other] = [numbers(found), numbers(expected)];
+  assert.deepEqual(
+    own.map(([key]) => key),
+    other.map(([key]) => key),
+  );
+  assert.ok(own.length > 30, `${own.length} numbers`);
+  own.forEach(([key, value], i) => {
+    const wanted = other[i][1];
+    const isSame =
+      wanted === null ? value === null : Math.abs(value - wanted) <= 1e-7 * Math.max(Math.abs(wanted), 1e-3);
+    assert.ok(isSame, `${key}: ${value}, by the command ${wanted}`);
+  });
 }
 
 /** The section z = 0 of a steady capsule, points around it in l, the front at x = 0. */

@@ -1,15 +1,20 @@
 // Shared by the tests: the server, the browser, a page that fails on console errors, and the native core.
 
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
+import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { chromium } from "playwright-core";
+import { serveFolder } from "./static-server.mjs";
 
-const ROOT = resolve(import.meta.dirname, "../..");
+export const ROOT = resolve(import.meta.dirname, "../..");
+export const EXPLORER = resolve(ROOT, "wasm/explorer");
+/** The built page. */
+export const DIST = resolve(EXPLORER, "dist");
+/** Debian's Chromium, or another executable. */
+export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const ARGUMENTS = [
   "--no-sandbox",
   "--disable-quic",
@@ -25,7 +30,7 @@ const ARGUMENTS = [
 export const MODEL = resolve(ROOT, process.env.CAPSULE_MODEL ?? "models/capsule.crom");
 
 /** The WebAssembly module, as `cargo xtask explore --build-only` builds it. */
-export const WASM = resolve(ROOT, "wasm/explorer/src/wasm");
+export const WASM = resolve(EXPLORER, "src/wasm");
 
 /** The model, opened by that module in Node. */
 export async function openModel() {
@@ -70,56 +75,16 @@ export function explorer(standard = {}) {
   return { open, onPage, url: () => server.url };
 }
 
-/** Starts Chromium; CHROMIUM names another executable. `extra` are further arguments. */
+/** Starts Chromium. `extra` are further arguments. */
 export function startBrowser(extra = []) {
-  const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-  return chromium.launch({ executablePath, args: [...ARGUMENTS, ...extra] });
+  return chromium.launch({ executablePath: CHROMIUM, args: [...ARGUMENTS, ...extra] });
 }
 
-/** Serves wasm/explorer/dist on a free port, unless BASE_URL names a server. Returns its address and how to stop it. */
-export async function serve() {
-  if (process.env.BASE_URL !== undefined) {
-    return { url: process.env.BASE_URL.replace(/\/?$/, "/"), stop: () => {} };
-  }
-  const explorer = resolve(ROOT, "wasm/explorer");
-  if (!existsSync(resolve(explorer, "dist/index.html"))) {
-    throw new Error("wasm/explorer/dist is missing: `cargo xtask explore --build-only` builds it");
-  }
-  const port = await freePort();
-  const vite = resolve(explorer, "node_modules/vite/bin/vite.js");
-  const server = spawn(
-    process.execPath,
-    [vite, "preview", "--host", "127.0.0.1", "--port", String(port), "--strictPort"],
-    { cwd: explorer, stdio: "ignore" },
-  );
-  const url = `http://127.0.0.1:${port}/`;
-  for (let attempt = 0; attempt < 150; attempt++) {
-    if (server.exitCode !== null) {
-      throw new Error(`vite preview ended with exit code ${server.exitCode}`);
-    }
-    if (
-      await fetch(url).then(
-        (response) => response.ok,
-        () => false,
-      )
-    ) {
-      return { url, stop: () => server.kill() };
-    }
-    await new Promise((wake) => setTimeout(wake, 200));
-  }
-  server.kill();
-  throw new Error(`vite preview did not answer on ${url} within 30 s`);
-}
-
-function freePort() {
-  return new Promise((found, failed) => {
-    const probe = createServer();
-    probe.once("error", failed);
-    probe.listen(0, "127.0.0.1", () => {
-      const { port } = probe.address();
-      probe.close(() => found(port));
-    });
-  });
+/** Serves wasm/explorer/dist, unless BASE_URL names a server. Returns its address and how to stop it. */
+export function serve() {
+  const { BASE_URL } = process.env;
+  if (BASE_URL !== undefined) return { url: BASE_URL.replace(/\/?$/, "/"), stop: () => {} };
+  return serveFolder(DIST);
 }
 
 /**
