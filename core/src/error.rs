@@ -115,7 +115,7 @@ pub enum EvaluateError {
         /// Number of nodes.
         nodes: usize,
     },
-    /// The model has no spherical stress-free state, which the mechanics needs.
+    /// The model has no spherical stress-free state or another law than the neo-Hookean one, which the mechanics needs.
     UnsupportedReference,
     /// The nodes near a node do not determine derivatives there: the mesh is too coarse.
     StencilTooSmall {
@@ -253,7 +253,8 @@ impl EvaluateError {
             Self::UnknownNode { node, nodes } => write!(f, "node {node} does not exist: the mesh has {nodes} nodes"),
             Self::UnsupportedReference => write!(
                 f,
-                "the mechanics of the membrane is known only where the stress-free state is a sphere of radius a/l"
+                "the mechanics of the membrane is known only for the neo-Hookean law, and where the stress-free state is \
+                 a sphere of radius a/l"
             ),
             Self::StencilTooSmall { node } => write!(
                 f,

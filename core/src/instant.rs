@@ -266,12 +266,12 @@ impl<'e, 'a, T: Real, const K: usize, const M: usize, const N: usize, const S: u
     /// centroid's frame.
     ///
     /// # Errors
-    /// [`EvaluateError::UnsupportedReference`] for a model whose stress-free state is not known;
+    /// [`EvaluateError::UnsupportedReference`] for a model without [`has_mechanics`](crate::Model::has_mechanics);
     /// [`EvaluateError::BufferTooShort`]; [`EvaluateError::NotFinite`].
     #[inline(never)]
     pub fn membrane<'s>(&mut self, sector: &'s mut [[T; 3]]) -> Result<Membrane<'a, 's, T>, EvaluateError> {
         let model = self.target.model;
-        if !matches!(model.contents().mesh.reference, Reference::Sphere) {
+        if !model.has_mechanics() {
             return Err(EvaluateError::UnsupportedReference);
         }
         let mesh = model.mesh();

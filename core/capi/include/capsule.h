@@ -132,7 +132,7 @@ enum capsule_status
   CAPSULE_STATUS_UNKNOWN_NODE = 46,
   // The result is not finite: the parameters are too far from all samples.
   CAPSULE_STATUS_NOT_FINITE = 47,
-  // The model does not know the stress-free state, from which the mechanics of the membrane follows.
+  // The mechanics of the membrane is not that of the model: it needs the neo-Hookean law and a stress-free sphere.
   CAPSULE_STATUS_UNSUPPORTED_REFERENCE = 48,
   // The model has no such outline.
   CAPSULE_STATUS_NO_OUTLINE = 49,

@@ -57,7 +57,7 @@ pub enum Status {
     UnknownNode = 46,
     /// The result is not finite: the parameters are too far from all samples.
     NotFinite = 47,
-    /// The model does not know the stress-free state, from which the mechanics of the membrane follows.
+    /// The mechanics of the membrane is not that of the model: it needs the neo-Hookean law and a stress-free sphere.
     UnsupportedReference = 48,
     /// The model has no such outline.
     NoOutline = 49,

@@ -20,6 +20,9 @@ pub use stencil::Stencil;
 
 use crate::Real;
 
+/// The membrane's law in the mechanics, by its name in a model.
+pub const LAW: &str = "neo-Hookean";
+
 /// Metric of two tangents: components 11, 22, 12.
 fn metric<T: Real>(tangents: &[[T; 3]; 2]) -> [T; 3] {
     let [a, b] = tangents;

@@ -45,6 +45,7 @@ pub use wire::{DIAGONAL, MIDPLANE, Parameter, Reference, Units};
 
 use crate::Real;
 use crate::error::EvaluateError;
+use crate::mechanics;
 use core::fmt;
 use core::mem::MaybeUninit;
 use header::payload;
@@ -163,6 +164,12 @@ impl<'a> Model<'a> {
     /// The reference state of the mesh: [`Reference::Sphere`] for a capsule in the channel.
     pub fn reference(&self) -> Reference {
         self.contents.mesh.reference
+    }
+
+    /// Whether the [mechanics](crate::mechanics) of the membrane is known: that of a neo-Hookean membrane which is
+    /// stress-free as a sphere of radius a/l.
+    pub fn has_mechanics(&self) -> bool {
+        matches!(self.reference(), Reference::Sphere) && self.membrane_law() == mechanics::LAW
     }
 
     /// The clusters, by rising values of the parameter that divides them.

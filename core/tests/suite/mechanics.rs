@@ -1,6 +1,6 @@
 //! The mechanics of the membrane against exact deformations of the sphere.
 
-use crate::common::{Family, Sphere};
+use crate::common::{Arena, Family, Sphere, write};
 use capsule_core::mechanics::{Deformation, Membrane, Stencil, undisturbed_velocity};
 use capsule_core::{EvaluateError, Evaluator, Method, Model, Query, Real, Workspace};
 use std::cell::{Cell, RefCell};
@@ -185,6 +185,25 @@ fn membrane<T: Real>(family: &Family, check: impl Fn(&Model<'_>, Membrane<'_, '_
 }
 
 const PARAMETERS: [f64; 2] = [0.05, 0.97];
+
+#[test]
+fn a_membrane_of_another_law_has_no_mechanics() {
+    let family = Family::new(2);
+    let mut arena = Arena::default();
+    let mut contents = family.contents(&mut arena);
+    contents.metadata.membrane_law = "Skalak, C = 1";
+    let file = write(&contents);
+    let model = Model::open(&file).unwrap();
+    let mut workspace = Workspace::<f64>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    evaluator.prepare(&Query::new(PARAMETERS, Method::Direct)).unwrap();
+    let mut sector = vec![[0.0; 3]; model.mesh().sector_nodes().len()];
+    let mut instant = evaluator.at(1.0).unwrap();
+    assert_eq!(
+        instant.membrane(&mut sector).unwrap_err(),
+        EvaluateError::UnsupportedReference
+    );
+}
 
 #[test]
 fn totals_are_the_integrals_of_the_nodal_values() {

@@ -59,14 +59,39 @@ impl Column {
     }
 }
 
+/// A deformation, and what the membrane's law makes of it.
+pub struct Strained<T> {
+    pub deformation: Deformation<T>,
+    /// Principal tensions, in G_s.
+    pub tensions: [T; 2],
+    /// Energy per stress-free area, in G_s.
+    pub energy_density: T,
+}
+
+impl<T: Real> From<Deformation<T>> for Strained<T> {
+    /// By the law of the core, the neo-Hookean one.
+    fn from(deformation: Deformation<T>) -> Self {
+        Self {
+            tensions: deformation.tensions(),
+            energy_density: deformation.energy_density(),
+            deformation,
+        }
+    }
+}
+
+/// Whether `fields` ask for a field.
+fn asked(fields: &[Field], field: Field) -> bool {
+    fields.contains(&field) || fields.contains(&Field::All)
+}
+
 /// The quantities that `fields` ask for; `load` is called if it is asked for.
 pub fn columns<T: Real>(
     fields: &[Field],
-    deformations: &[Deformation<T>],
+    nodes: &[Strained<T>],
     load: impl FnOnce() -> Result<Vec<[T; 3]>>,
 ) -> Result<Vec<Column>> {
-    let asked = |field| fields.contains(&field) || fields.contains(&Field::All);
-    let all = || deformations.iter();
+    let asked = |field| asked(fields, field);
+    let all = || nodes.iter().map(|node| &node.deformation);
     let mut columns = Vec::new();
     if asked(Field::Stretch) {
         let [first, second] = [0, 1].map(|k| move |at: &Deformation<T>| at.stretches()[k]);
@@ -78,18 +103,16 @@ pub fn columns<T: Real>(
         columns.push(Column::scalars("area_dilation", all().map(Deformation::area_dilation)));
     }
     if asked(Field::Tension) {
-        let [first, second] = [0, 1].map(|k| move |at: &Deformation<T>| at.tensions()[k]);
-        columns.push(Column::scalars("tension_1", all().map(first)));
-        columns.push(Column::scalars("tension_2", all().map(second)));
+        let [first, second] = [0, 1].map(|k| nodes.iter().map(move |node| node.tensions[k]));
+        columns.push(Column::scalars("tension_1", first));
+        columns.push(Column::scalars("tension_2", second));
     }
     if asked(Field::Load) {
         columns.push(Column::vectors("load", load()?));
     }
     if asked(Field::Energy) {
-        columns.push(Column::scalars(
-            "energy_density",
-            all().map(Deformation::energy_density),
-        ));
+        let energies = nodes.iter().map(|node| node.energy_density);
+        columns.push(Column::scalars("energy_density", energies));
     }
     Ok(columns)
 }
@@ -107,12 +130,12 @@ pub struct Totals<T> {
 }
 
 /// The greatest stretch and tension and the least tension.
-pub fn extremes<T: Real>(deformations: &[Deformation<T>]) -> [T; 3] {
+pub fn extremes<T: Real>(nodes: &[Strained<T>]) -> [T; 3] {
     let zero = T::ZERO;
-    deformations
+    nodes
         .iter()
-        .map(|at| {
-            let ([stretch, _], [greatest, least]) = (at.stretches(), at.tensions());
+        .map(|node| {
+            let ([stretch, _], [greatest, least]) = (node.deformation.stretches(), node.tensions);
             [stretch, greatest, least]
         })
         .reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1]), a[2].min(b[2])])
@@ -148,6 +171,14 @@ pub struct History {
     min_tension: Vec<f64>,
 }
 
+/// Checks before a run that `fields` can be given of it.
+pub fn check(fields: &[Field], solver: &Solver) -> Result<()> {
+    if asked(fields, Field::Load) {
+        Mechanics::new(solver.discretisation())?.check_load()?;
+    }
+    Ok(())
+}
+
 /// The snapshots of a full-order run with velocities and the quantities that `fields` ask for, and their totals.
 pub fn of_run(fields: &[Field], solver: &Solver, outcome: &Outcome) -> Result<(Vec<Surface>, Option<History>)> {
     let surface = |(i, &time): (usize, &f64)| Surface {
@@ -171,9 +202,16 @@ pub fn of_run(fields: &[Field], solver: &Solver, outcome: &Outcome) -> Result<(V
             .iter()
             .map(|[x, y, z]| [x - centroid, *y, *z])
             .collect();
-        let deformations = mechanics.deformations(&centred, radius)?;
+        let deformations = mechanics.deformations(&centred, radius)?.into_iter();
+        let nodes: Vec<_> = deformations
+            .map(|deformation| Strained {
+                tensions: mechanics.tensions(&deformation),
+                energy_density: mechanics.energy_density(&deformation),
+                deformation,
+            })
+            .collect();
         let totals = mechanics.totals(&centred, radius);
-        let [max_stretch, max_tension, min_tension] = extremes(&deformations);
+        let [max_stretch, max_tension, min_tension] = extremes(&nodes);
         history.area.push(totals.area);
         history.volume.push(totals.volume);
         history.energy.push(totals.energy);
@@ -181,7 +219,7 @@ pub fn of_run(fields: &[Field], solver: &Solver, outcome: &Outcome) -> Result<(V
         history.max_tension.push(max_tension);
         history.min_tension.push(min_tension);
         let load = || Ok(mechanics.load(&centred, radius, capillary_number)?);
-        surface.columns.extend(columns(fields, &deformations, load)?);
+        surface.columns.extend(columns(fields, &nodes, load)?);
     }
     Ok((surfaces, Some(history)))
 }

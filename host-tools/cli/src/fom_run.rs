@@ -7,7 +7,7 @@ use crate::{interrupt, print, progress, record};
 use anyhow::{Result, bail};
 use capsule_database::fields::{write_csv, write_npz};
 use capsule_database::{Database, vtu};
-use capsule_fom::{Configuration, Film, Outcome, Solver, Status};
+use capsule_fom::{Configuration, Film, MembraneLaw, Outcome, Solver, Status};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -48,7 +48,8 @@ Examples:
   capsule-rom fom run --ca 0.10 --confinement 0.90
   capsule-rom fom run --ca 0.10 --confinement 0.90 --mesh 13 --json > run.json
   capsule-rom fom run --ca 0.05 --confinement 1.00 --integrator ralston --step 5e-4 --out run/
-  capsule-rom fom run --ca 0.10 --confinement 0.90 --fields tension,load --npz fields.npz";
+  capsule-rom fom run --ca 0.10 --confinement 0.90 --fields tension,load --npz fields.npz
+  capsule-rom fom run --ca 0.10 --confinement 0.90 --law skalak:1";
 
 /// The database's folder in that of --out.
 const SNAPSHOTS: &str = "snapshots";
@@ -57,6 +58,7 @@ const SNAPSHOTS: &str = "snapshots";
 struct Run<'a> {
     ca: f64,
     confinement: f64,
+    law: MembraneLaw,
     mesh: usize,
     nodes: usize,
     elements: usize,
@@ -103,6 +105,7 @@ pub fn run(options: &Options) -> Result<()> {
         .file("--npz", options.npz.as_deref())
         .checked()?;
     let solver = Solver::new(options.solver.settings())?;
+    fields::check(&options.fields, &solver)?;
     let snapshots = options.out.as_ref().map(|out| out.join(SNAPSHOTS));
     if let Some(there) = snapshots.filter(|folder| folder.join("database.json").exists()) {
         // Fail before the run if the database in this folder has other settings.
@@ -156,6 +159,7 @@ fn summary<'a>(
     Run {
         ca: options.ca,
         confinement: options.confinement,
+        law: solver.settings().law,
         mesh: solver.settings().mesh_frequency,
         nodes: solver.mesh().nodes.len(),
         elements: solver.mesh().elements.len(),
@@ -238,8 +242,10 @@ fn write(
     let instants: Vec<_> = surfaces.iter().map(Surface::instant).collect();
     if let Some(file) = &options.csv {
         let title = format!(
-            "capsule-rom fom run; Ca = {}; a/l = {}",
-            options.ca, options.confinement
+            "capsule-rom fom run; Ca = {}; a/l = {}; {}",
+            options.ca,
+            options.confinement,
+            solver.settings().law
         );
         outputs.write(file, |file| write_csv(file, &title, &instants))?;
     }

@@ -2,7 +2,7 @@
 
 use crate::print;
 use anyhow::Result;
-use capsule_fom::shear;
+use capsule_fom::{MembraneLaw, shear};
 use clap::Args;
 use serde::Serialize;
 
@@ -12,6 +12,9 @@ pub struct Options {
     /// Capillary number Ca = mu a (shear rate) / G_s
     #[arg(long, allow_negative_numbers = true)]
     ca: f64,
+    /// Law of the membrane: neo-hookean or skalak:C
+    #[arg(long, default_value = "neo-hookean")]
+    law: MembraneLaw,
     /// Mesh frequency n: 8 n^2 elements
     #[arg(long, default_value_t = 8)]
     mesh: usize,
@@ -26,6 +29,7 @@ pub struct Options {
 #[derive(Serialize)]
 struct Shear {
     ca: f64,
+    law: MembraneLaw,
     mesh: usize,
     t: Vec<f64>,
     taylor_deformation: Vec<f64>,
@@ -35,6 +39,7 @@ struct Shear {
 pub fn run(options: &Options) -> Result<()> {
     let settings = shear::Settings {
         mesh_frequency: options.mesh,
+        law: options.law,
         end_time: options.end_time,
         ..Default::default()
     };
@@ -42,6 +47,7 @@ pub fn run(options: &Options) -> Result<()> {
     if options.json {
         return print::json(&Shear {
             ca: options.ca,
+            law: options.law,
             mesh: options.mesh,
             t: outcome.t,
             taylor_deformation: outcome.taylor_deformation,

@@ -1,9 +1,8 @@
 //! The surface for `predict`: positions, velocities and the mechanics of the membrane.
 
-use crate::fields::{self, Column, Field, Surface, Totals};
+use crate::fields::{self, Column, Field, Strained, Surface, Totals};
 use anyhow::Result;
 use capsule_core::mechanics::{self, Deformation, Stencil};
-use capsule_core::model::Reference;
 use capsule_core::{EvaluateError, Evaluator, Frame, Model, Nodes, Real, Scene};
 
 /// The requested fields, and the operators that they need.
@@ -21,7 +20,7 @@ impl<'o, T: Real> Mechanics<'o, T> {
         if fields.is_empty() {
             return Ok(None);
         }
-        if !matches!(model.reference(), Reference::Sphere) {
+        if !model.has_mechanics() {
             return Err(EvaluateError::UnsupportedReference.into());
         }
         let mesh = model.mesh();
@@ -44,7 +43,8 @@ impl<'o, T: Real> Mechanics<'o, T> {
 
     /// Totals and extremes at an instant.
     pub fn totals(&mut self, evaluator: &mut Evaluator<'_, T>, t: T) -> Result<Totals<T>> {
-        let [max_stretch, max_tension, min_tension] = fields::extremes(&self.deformations(evaluator, t)?);
+        let nodes: Vec<Strained<T>> = self.deformations(evaluator, t)?.into_iter().map(Into::into).collect();
+        let [max_stretch, max_tension, min_tension] = fields::extremes(&nodes);
         let mechanics::Totals {
             area,
             energy,
@@ -92,7 +92,8 @@ pub fn surface<T: Real>(
                 .map(|at| at.load(mechanics.capillary_number))
                 .collect::<Result<_, _>>()?)
         };
-        columns.extend(fields::columns(mechanics.fields, &full, load)?);
+        let strained: Vec<_> = full.iter().copied().map(Strained::from).collect();
+        columns.extend(fields::columns(mechanics.fields, &strained, load)?);
     }
     Ok(Surface {
         time: t.to_f64(),

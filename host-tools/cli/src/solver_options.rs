@@ -1,6 +1,6 @@
 //! Options that every full-order run shares.
 
-use capsule_fom::{Integrator, MembraneDiscretisation, Settings};
+use capsule_fom::{Integrator, MembraneDiscretisation, MembraneLaw, Settings};
 use clap::{Args, ValueEnum};
 
 #[derive(Args)]
@@ -8,6 +8,10 @@ pub struct SolverOptions {
     /// Mesh frequency n: 8 n^2 elements, 16 n^2 + 2 nodes (8 for work, 13 the paper's size)
     #[arg(long, default_value_t = 8)]
     mesh: usize,
+    /// Law of the membrane: neo-hookean (softens under strain), or skalak:C (hardens; its area dilatation modulus is
+    /// G_s (1 + 2 C), that of the neo-Hookean law 3 G_s)
+    #[arg(long, default_value = "neo-hookean")]
+    law: MembraneLaw,
     /// Discretisation of the membrane
     #[arg(long, value_enum, default_value_t = Membrane::Harmonics)]
     membrane: Membrane,
@@ -59,6 +63,7 @@ impl SolverOptions {
     pub fn settings(&self) -> Settings {
         let mut settings = Settings {
             mesh_frequency: self.mesh,
+            law: self.law,
             membrane: match self.membrane {
                 Membrane::Harmonics => MembraneDiscretisation::Harmonics {
                     degree: self.degree,

@@ -41,7 +41,8 @@ impl SourceOptions {
     pub fn open(&self) -> Result<(Snapshots, Settings)> {
         let Some(path) = &self.from else {
             let database = Database::open(&self.database)?;
-            return Ok((Snapshots::Database(Box::new(database)), Settings::default()));
+            let settings = Settings::of_database(&database);
+            return Ok((Snapshots::Database(Box::new(database)), settings));
         };
         let (collection, notes) = Collection::read(path)?;
         notes.iter().for_each(|note| eprintln!("warning: {note}"));

@@ -346,6 +346,41 @@ fn a_full_order_run_prints_its_history_and_writes_its_snapshots() {
 }
 
 #[test]
+fn a_membrane_of_another_law_hardens_and_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("run");
+    let of = |law: &str, rest: &str| {
+        json(&format!(
+            "fom run --ca 0.10 --confinement 0.90 --mesh 3 --end-time 2 --quiet --json --law {law} {rest}"
+        ))
+    };
+    let soft = of("neo-hookean", "");
+    let hard = of(
+        "skalak:1",
+        &format!("--fields tension,energy,load --out {}", out.display()),
+    );
+    assert_eq!(
+        (soft["law"].as_str(), hard["law"].as_str()),
+        (Some("neo-Hookean"), Some("Skalak, C = 1"))
+    );
+    let last = |run: &Value, column: &str| *numbers(&run[column]).last().unwrap();
+    assert!(last(&hard, "axial_length") < last(&soft, "axial_length") - 0.02);
+    assert!(last(&hard["mechanics"], "max_tension") > 0.0);
+    let written = capsule_database::Database::open(&out.join("snapshots")).unwrap();
+    assert_eq!(written.description().membrane_law(), "Skalak, C = 1");
+
+    let run = "fom run --ca 0.1 --confinement 0.9 --mesh 3";
+    fails(&format!("{run} --law hooke"), 2, &["hooke", "skalak:C"]);
+    fails(&format!("{run} --law skalak:-1"), 2, &["above -1/2"]);
+    // The nodal load of elements is known for the neo-Hookean law alone; told before the run.
+    let elements = format!("{run} --law skalak:1 --membrane p2 --fields load --csv /dev/null");
+    fails(&elements, 1, &["Skalak, C = 1", "harmonics"]);
+    // Another law does not go into the same database.
+    let other = format!("{run} --end-time 2 --quiet --out {}", out.display());
+    fails(&other, 1, &["solver.law", "Skalak"]);
+}
+
+#[test]
 fn a_film_that_the_walls_do_not_resolve_is_told() {
     let run = |confinement: &str| {
         let output = capsule_rom(&format!(

@@ -72,6 +72,12 @@ impl Description {
         self.solver.pointer("/membrane/harmonics/bending")?.as_f64()
     }
 
+    /// The law of the membrane. The solver's settings name every law but the neo-Hookean one.
+    #[must_use]
+    pub fn membrane_law(&self) -> &str {
+        self.solver.get("law").and_then(Value::as_str).unwrap_or("neo-Hookean")
+    }
+
     /// Writes `database.json` into `directory`.
     pub(crate) fn write(&self, directory: &Path) -> Result<(), DatabaseError> {
         let path = path(directory);
@@ -205,6 +211,13 @@ mod tests {
             of(a).difference(&of(more)).unwrap().to_string(),
             "solver.bending (nothing and 0.5)"
         );
+    }
+
+    #[test]
+    fn the_law_is_neo_hookean_unless_another_is_named() {
+        let law = |solver| Description::new(vec![0.0], solver).membrane_law().to_owned();
+        assert_eq!(law(json!({ "mesh_frequency": 8 })), "neo-Hookean");
+        assert_eq!(law(json!({ "law": "Skalak, C = 1" })), "Skalak, C = 1");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The neo-Hookean membrane with its shape in spherical harmonics of the reference sphere.
+//! The membrane with its shape in spherical harmonics of the reference sphere.
 //!
 //! The shape `x = sum c_k B_k` is smooth, so the load is found without the kinks of finite elements: the weak form
 //! `int w . q dS = int eps(w) : T dS` is tested with the basis fields `B_k` themselves, and solved for the load per
@@ -13,7 +13,7 @@
 use crate::harmonics::{Grid, Harmonics, Tangents};
 use crate::surface::Patch;
 use crate::vectors::{metric, norm};
-use crate::{EvaluationError, FomError, Mesh, Symmetry};
+use crate::{EvaluationError, FomError, MembraneLaw, Mesh, Symmetry};
 use faer::linalg::solvers::SolveCore;
 use faer::{Mat, Side};
 use nalgebra::Vector3;
@@ -23,6 +23,7 @@ use nalgebra::Vector3;
 pub struct HarmonicMembrane {
     space: Harmonics,
     grid: Grid,
+    law: MembraneLaw,
     /// Bending stiffness over `G_s a²`.
     bending: f64,
     /// At the sector's nodes: values, derivatives along θ and along φ of the basis.
@@ -64,11 +65,18 @@ pub struct HarmonicState {
 const MIN_AREA_RATIO: f64 = 1e-3;
 
 impl HarmonicMembrane {
-    /// Harmonics up to `degree` on the sector of `mesh`, with bending stiffness `bending` (over `G_s a²`).
+    /// Harmonics up to `degree` on the sector of `mesh`, for a membrane of `law` with bending stiffness `bending` (over
+    /// `G_s a²`).
     ///
     /// # Errors
     /// [`FomError::Degree`] if the mesh's nodes cannot tell the harmonics apart.
-    pub fn new(mesh: &Mesh, symmetry: &Symmetry, patch: &Patch, degree: usize, bending: f64) -> Result<Self, FomError> {
+    pub fn new(
+        mesh: &Mesh,
+        symmetry: &Symmetry,
+        patch: &Patch,
+        degree: usize,
+        (law, bending): (MembraneLaw, f64),
+    ) -> Result<Self, FomError> {
         let symmetric = symmetry.order > 1;
         let space = Harmonics::new(degree, symmetric);
         let points: Vec<[f64; 3]> = symmetry.sector.iter().map(|&node| mesh.nodes[node as usize]).collect();
@@ -95,6 +103,7 @@ impl HarmonicMembrane {
         });
         Ok(Self {
             grid: Grid::new(&space, symmetric),
+            law,
             bending,
             nodal,
             projections,
@@ -160,9 +169,10 @@ impl HarmonicMembrane {
             let ratio = determinant / radius.powi(4);
             least = if ratio >= least { least } else { ratio };
             let weight = self.grid.weight(point);
-            let pull = radius * radius / (ratio * determinant);
-            let s11 = weight * (1.0 - pull * m22);
-            let s22 = weight * (1.0 - pull * m11);
+            let trace = (m11 + m22) / (radius * radius);
+            let [push, pull] = self.law.factors(trace, ratio, radius * radius, determinant);
+            let s11 = weight * (push - pull * m22);
+            let s22 = weight * (push - pull * m11);
             let s12 = weight * pull * m12;
             for d in 0..3 {
                 flux[0][d][point] = s11 * t1[d] + s12 * t2[d];
@@ -281,5 +291,77 @@ fn extremes(values: Vec<f64>) -> (f64, f64) {
 fn add_scaled(out: &mut [f64], factor: f64, row: &[f64]) {
     for (out, entry) in out.iter_mut().zip(row) {
         *out += factor * entry;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::tests::{LAWS, exact_pressure};
+    use crate::membrane::Membrane;
+
+    /// Traction and nodal forces of the shape through `nodes` of the whole mesh, the stress-free radius being 0.9.
+    fn load(mesh: &Mesh, law: MembraneLaw, nodes: &[[f64; 3]]) -> [Vec<[f64; 3]>; 2] {
+        let symmetry = Symmetry::unreduced(mesh);
+        let patch = Patch::new(mesh, &symmetry);
+        let membrane = HarmonicMembrane::new(mesh, &symmetry, &patch, 12, (law, 0.0)).unwrap();
+        let mut traction = vec![[0.0; 3]; nodes.len()];
+        let mut force = traction.clone();
+        let mut state = HarmonicState::default();
+        membrane
+            .load(nodes, 0.9, &mut state, &mut traction, &mut force)
+            .unwrap();
+        [traction, force]
+    }
+
+    #[test]
+    fn inflated_sphere_has_the_exact_pressure() {
+        let mesh = Mesh::octahedral(4).unwrap();
+        for law in LAWS {
+            for stretch in [0.9, 1.1, 1.5] {
+                let nodes: Vec<_> = mesh.nodes.iter().map(|n| n.map(|x| 0.9 * stretch * x)).collect();
+                let exact = exact_pressure(law, stretch) / 0.9;
+                let [traction, _] = load(&mesh, law, &nodes);
+                for (traction, normal) in traction.iter().zip(&mesh.nodes) {
+                    let error = norm(Vector3::from(*traction) / exact - Vector3::from(*normal));
+                    assert!(error < 1e-10, "{law}: {error}");
+                }
+            }
+        }
+    }
+
+    /// The forces do the work of the elements' forces in smooth displacements: of one discretisation each.
+    #[test]
+    fn forces_are_those_of_the_elements() {
+        let mesh = Mesh::octahedral(12).unwrap();
+        let patch = Patch::new(&mesh, &Symmetry::unreduced(&mesh));
+        // A polynomial, which harmonics hold exactly.
+        let shape = |&[x, y, z]: &[f64; 3]| {
+            [
+                x - 0.2 * (y * y + z * z),
+                0.85 * y * (1.0 - 0.1 * z * z + 0.1 * x),
+                0.8 * z * (1.0 - 0.1 * y * y + 0.1 * x),
+            ]
+        };
+        let displacements: [fn(&[f64; 3]) -> [f64; 3]; 3] = [
+            |&[x, _, _]| [x, 0.0, 0.0],
+            |&[x, y, z]| [y * y, x * y, -x * z],
+            |&[x, y, z]| [0.0, y * z * z, x * x * z],
+        ];
+        let nodes: Vec<_> = mesh.nodes.iter().map(shape).collect();
+        for law in LAWS {
+            let [_, found] = load(&mesh, law, &nodes);
+            let mut expected = vec![[0.0; 3]; nodes.len()];
+            let elements = Membrane::new(&mesh, &patch, law);
+            elements.load(&patch, &nodes, 0.9, &mut expected).unwrap();
+            for displacement in displacements {
+                let work = |forces: &[[f64; 3]]| -> f64 {
+                    let power = |(r, n): (&[f64; 3], _)| Vector3::from(*r).dot(&Vector3::from(displacement(n)));
+                    forces.iter().zip(&mesh.nodes).map(power).sum()
+                };
+                let (found, expected) = (work(&found), work(&expected));
+                assert!((found / expected - 1.0).abs() < 1e-3, "{law}: {found} {expected}");
+            }
+        }
     }
 }

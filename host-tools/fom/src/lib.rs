@@ -1,5 +1,5 @@
 //! Full-order model of a microcapsule flowing in a square channel (Boubehziz et al., Entropy 2021, 23, 1193; "the
-//! paper"): boundary integrals for the flow, finite elements for the neo-Hookean membrane.
+//! paper"): boundary integrals for the flow, finite elements or harmonics for the membrane.
 //!
 //! Lengths are in l (half the channel's side: y and z in [-1, 1], flow along x), velocities in the mean velocity V,
 //! time in l/V, stress in mu V/l, tension in G_s.
@@ -9,6 +9,7 @@ pub mod harmonic_membrane;
 pub mod harmonics;
 pub mod initial;
 pub mod integrator;
+mod law;
 pub mod mass_matrix;
 pub mod measures;
 pub mod mechanics;
@@ -24,6 +25,7 @@ pub mod symmetry;
 pub mod system;
 pub mod vectors;
 
+pub use law::MembraneLaw;
 pub use mesh::Mesh;
 pub use outcome::{Film, History, Outcome, Status};
 pub use parameters::{Configuration, Integrator, MembraneDiscretisation, Settings, SteadyCriteria};
@@ -43,6 +45,12 @@ pub enum FomError {
         name: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// A membrane that does not resist a change of its area.
+    #[error("the law of the membrane, Skalak's with C = {area}, is unstable: C must be a finite number above -1/2")]
+    Law {
+        /// C.
+        area: f64,
     },
     /// The mesh frequency is out of range.
     #[error(

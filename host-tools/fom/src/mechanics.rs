@@ -13,7 +13,7 @@ use crate::membrane::Membrane;
 use crate::shape_functions::nodes_of;
 use crate::surface::{Moments, Patch};
 use crate::system::{Discretisation, MembraneModel};
-use crate::{EvaluationError, Symmetry};
+use crate::{EvaluationError, MembraneLaw, Symmetry};
 
 /// Precomputed operators that all snapshots of a discretisation share.
 #[derive(Debug, Clone)]
@@ -46,6 +46,14 @@ pub enum MechanicsError {
     /// No load.
     #[error("no load of the membrane: {0}")]
     Load(#[from] EvaluationError),
+    /// No load of this law in six-node elements.
+    #[error(
+        "the load at the nodes of six-node elements is known for the neo-Hookean law, and this is {law}: take harmonics"
+    )]
+    Law {
+        /// The law.
+        law: MembraneLaw,
+    },
 }
 
 impl<'a> Mechanics<'a> {
@@ -60,7 +68,7 @@ impl<'a> Mechanics<'a> {
         Ok(Self {
             discretisation,
             stencils: (0..mesh.nodes.len()).map(stencil).collect::<Result<_, _>>()?,
-            membrane: Membrane::new(mesh, &patch),
+            membrane: Membrane::new(mesh, &patch, discretisation.law),
             patch,
         })
     }
@@ -80,16 +88,40 @@ impl<'a> Mechanics<'a> {
         self.stencils.iter().map(deformation).collect()
     }
 
+    /// The principal tensions of a deformation, T_1 >= T_2, in G_s.
+    pub fn tensions(&self, deformation: &Deformation<f64>) -> [f64; 2] {
+        self.discretisation.law.tensions(deformation.stretches())
+    }
+
+    /// The elastic energy of a deformation per stress-free area, in G_s.
+    pub fn energy_density(&self, deformation: &Deformation<f64>) -> f64 {
+        let [first, second] = deformation.stretches().map(|stretch| stretch * stretch);
+        self.discretisation.law.energy_density(first + second, first * second)
+    }
+
+    /// Checks that the load at the nodes is known: that of the smooth surface through them is for the neo-Hookean law.
+    ///
+    /// # Errors
+    /// [`MechanicsError::Law`].
+    pub fn check_load(&self) -> Result<(), MechanicsError> {
+        let Discretisation { law, membrane, .. } = self.discretisation;
+        match membrane {
+            MembraneModel::QuadraticElements(_) if !law.is_neo_hookean() => Err(MechanicsError::Law { law: *law }),
+            MembraneModel::QuadraticElements(_) | MembraneModel::Harmonics(_) => Ok(()),
+        }
+    }
+
     /// The load of the fluid on the membrane at every node (mu V/l), for current `positions` of all nodes.
     ///
     /// # Errors
-    /// As [`deformations`](Self::deformations); [`EvaluationError::Collapsed`].
+    /// As [`deformations`](Self::deformations) and [`check_load`](Self::check_load); [`EvaluationError::Collapsed`].
     pub fn load(
         &self,
         positions: &[[f64; 3]],
         radius: f64,
         capillary_number: f64,
     ) -> Result<Vec<[f64; 3]>, MechanicsError> {
+        self.check_load()?;
         let Discretisation { symmetry, membrane, .. } = self.discretisation;
         let MembraneModel::Harmonics(harmonics) = membrane else {
             let deformations = self.deformations(positions, radius)?;
@@ -134,7 +166,7 @@ mod tests {
     use crate::vectors::norm;
     use nalgebra::Vector3;
 
-    fn discretisation(frequency: usize, harmonics: bool) -> Discretisation {
+    fn discretisation(frequency: usize, harmonics: bool, law: MembraneLaw) -> Discretisation {
         let membrane = if harmonics {
             MembraneDiscretisation::Harmonics {
                 degree: None,
@@ -143,7 +175,7 @@ mod tests {
         } else {
             MembraneDiscretisation::QuadraticElements
         };
-        Discretisation::new(frequency, true, membrane).unwrap()
+        Discretisation::new(frequency, true, membrane, law).unwrap()
     }
 
     /// A hollow shape with the symmetry of the square: polynomials, which harmonics hold exactly.
@@ -159,7 +191,7 @@ mod tests {
     fn load_from_the_nodes_converges_to_that_of_the_harmonics() {
         let errors = [6, 12].map(|frequency| {
             let [exact, found] = [true, false].map(|harmonics| {
-                let discretisation = discretisation(frequency, harmonics);
+                let discretisation = discretisation(frequency, harmonics, MembraneLaw::NeoHookean);
                 let positions: Vec<_> = discretisation.mesh.nodes.iter().map(|&node| hollow(node)).collect();
                 let mechanics = Mechanics::new(&discretisation).unwrap();
                 mechanics.load(&positions, 0.9, 0.1).unwrap()
@@ -175,29 +207,52 @@ mod tests {
 
     #[test]
     fn totals_and_tensions_of_the_inflated_sphere() {
-        let discretisation = discretisation(8, false);
-        let mechanics = Mechanics::new(&discretisation).unwrap();
         let (radius, stretch) = (0.9, 1.2_f64);
+        let square = stretch * stretch;
+        // Tension 1 - lambda^-6; and lambda^2 - 1 + C lambda^2 (lambda^4 - 1), all with their energies.
+        let cases = [
+            (
+                MembraneLaw::NeoHookean,
+                1.0 - stretch.powi(-6),
+                0.5 * (2.0 * square + stretch.powi(-4) - 3.0),
+            ),
+            (
+                MembraneLaw::Skalak { area: 2.0 },
+                square - 1.0 + 2.0 * square * (square * square - 1.0),
+                (square - 1.0).powi(2) * (0.5 + 0.5 * (square + 1.0).powi(2)),
+            ),
+        ];
+        for (law, exact, density) in cases {
+            check_inflated(law, radius, stretch, exact, density);
+        }
+    }
+
+    fn check_inflated(law: MembraneLaw, radius: f64, stretch: f64, exact: f64, density: f64) {
+        let discretisation = discretisation(8, false, law);
+        let mechanics = Mechanics::new(&discretisation).unwrap();
         let sphere = |n: &[f64; 3]| n.map(|x| radius * stretch * x);
         let positions: Vec<_> = discretisation.mesh.nodes.iter().map(sphere).collect();
         let Totals { area, volume, energy } = mechanics.totals(&positions, radius);
         let sphere = 4.0 * std::f64::consts::PI * radius * radius;
-        let density = 0.5 * (2.0 * stretch.powi(2) + stretch.powi(-4) - 3.0);
         assert!((area / (sphere * stretch.powi(2)) - 1.0).abs() < 1e-4);
         assert!((volume / (sphere * radius * stretch.powi(3) / 3.0) - 1.0).abs() < 1e-4);
         assert!((energy / (sphere * density) - 1.0).abs() < 1e-4);
-        // Tension 1 - lambda^-6 everywhere.
         for deformation in mechanics.deformations(&positions, radius).unwrap() {
-            for tension in deformation.tensions() {
-                assert!((tension - (1.0 - stretch.powi(-6))).abs() < 1e-3, "{tension}");
+            for tension in mechanics.tensions(&deformation) {
+                assert!((tension / exact - 1.0).abs() < 2e-3, "{tension} {exact}");
             }
+            let energy = mechanics.energy_density(&deformation);
+            assert!((energy / density - 1.0).abs() < 2e-3, "{energy} {density}");
         }
         assert!(mechanics.deformations(&positions[1..], radius).is_err());
+        // The load of elements is not that of another law.
+        let refused = matches!(mechanics.load(&positions, radius, 0.1), Err(MechanicsError::Law { .. }));
+        assert_eq!(refused, !law.is_neo_hookean());
     }
 
     #[test]
     fn the_coarsest_mesh_has_derivatives() {
-        let discretisation = discretisation(crate::mesh::MINIMUM_FREQUENCY, false);
+        let discretisation = discretisation(crate::mesh::MINIMUM_FREQUENCY, false, MembraneLaw::NeoHookean);
         assert!(Mechanics::new(&discretisation).is_ok());
     }
 }

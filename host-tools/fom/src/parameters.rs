@@ -1,7 +1,7 @@
 //! Parameters of a run: the physical configuration and the solver's settings.
 
-use crate::FomError;
 use crate::flow::DuctSettings;
+use crate::{FomError, MembraneLaw};
 
 /// The two parameters of the problem.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -70,6 +70,9 @@ pub struct SteadyCriteria {
 pub struct Settings {
     /// Mesh frequency `n`: 8 n² elements, 16 n² + 2 nodes.
     pub mesh_frequency: usize,
+    /// Law of the membrane. Not recorded where it is the neo-Hookean one: databases of that law have no such entry.
+    #[serde(skip_serializing_if = "MembraneLaw::is_neo_hookean")]
+    pub law: MembraneLaw,
     /// Discretisation of the membrane on this mesh.
     pub membrane: MembraneDiscretisation,
     /// Time integrator.
@@ -123,6 +126,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             mesh_frequency: 8,
+            law: MembraneLaw::default(),
             membrane: MembraneDiscretisation::default(),
             integrator: Integrator::default(),
             end_time: 20.0,

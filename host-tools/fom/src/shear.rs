@@ -9,7 +9,7 @@ use crate::integrator::{Integration, State, StepError, Stepper};
 use crate::parameters::{positive, snapshots};
 use crate::surface::Moments;
 use crate::system::{Capsule, Discretisation};
-use crate::{FomError, Integrator, MembraneDiscretisation};
+use crate::{FomError, Integrator, MembraneDiscretisation, MembraneLaw};
 
 /// The solver's settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Settings {
     pub mesh_frequency: usize,
     /// Discretisation of the membrane on this mesh.
     pub membrane: MembraneDiscretisation,
+    /// Law of the membrane.
+    pub law: MembraneLaw,
     /// Time integrator.
     pub integrator: Integrator,
     /// Last instant.
@@ -31,6 +33,7 @@ impl Default for Settings {
         Self {
             mesh_frequency: 8,
             membrane: MembraneDiscretisation::default(),
+            law: MembraneLaw::default(),
             integrator: Integrator::default(),
             end_time: 4.0,
             interval: 0.1,
@@ -57,7 +60,8 @@ pub struct ShearOutcome {
 /// Deforms a spherical, stress-free capsule by simple shear.
 ///
 /// # Errors
-/// [`FomError::NotPositive`], [`FomError::MeshFrequency`] or [`FomError::TooManySnapshots`] for a bad setting,
+/// [`FomError::NotPositive`], [`FomError::Law`], [`FomError::MeshFrequency`] or [`FomError::TooManySnapshots`] for a bad
+/// setting,
 /// [`FomError::UnstableStep`] for a fixed step that is too long, [`FomError::Shear`] if the surface cannot be carried
 /// on.
 pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome, FomError> {
@@ -67,7 +71,7 @@ pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome,
     snapshots(settings.end_time, settings.interval)?;
     settings.integrator.validate()?;
     // The shear has not the symmetry of the square.
-    let discretisation = Discretisation::new(settings.mesh_frequency, false, settings.membrane)?;
+    let discretisation = Discretisation::new(settings.mesh_frequency, false, settings.membrane, settings.law)?;
     let flow = FreeSpace::new(Background::Shear { rate: 1.0 });
     let mut capsule = Capsule::new(&discretisation, &flow, capillary_number, 1.0);
     let failed = |time: f64, reason: String| FomError::Shear { time, reason };

@@ -41,7 +41,12 @@ impl Solver {
     /// [`FomError`] with the setting that is out of range.
     pub fn new(settings: Settings) -> Result<Self, FomError> {
         settings.validate()?;
-        let discretisation = Discretisation::new(settings.mesh_frequency, settings.symmetric, settings.membrane)?;
+        let discretisation = Discretisation::new(
+            settings.mesh_frequency,
+            settings.symmetric,
+            settings.membrane,
+            settings.law,
+        )?;
         let duct_settings = DuctSettings {
             symmetric: settings.symmetric,
             ..settings.duct.clone()

@@ -12,7 +12,7 @@ use crate::mass_matrix::MassMatrix;
 use crate::membrane::Membrane;
 use crate::surface::{Geometry, Patch};
 use crate::vectors::greatest_magnitude;
-use crate::{EvaluationError, FomError, MembraneDiscretisation, Mesh, Symmetry, initial};
+use crate::{EvaluationError, FomError, MembraneDiscretisation, MembraneLaw, Mesh, Symmetry, initial};
 
 /// Mesh, symmetry and membrane operators, shared by all capsules on one mesh.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub struct Discretisation {
     pub symmetry: Symmetry,
     /// The elements that touch the sector.
     pub patch: Patch,
+    /// The membrane's law.
+    pub law: MembraneLaw,
     /// The membrane's reference state.
     pub membrane: MembraneModel,
 }
@@ -43,11 +45,17 @@ enum MembraneLoad<'a> {
 }
 
 impl Discretisation {
-    /// The mesh of frequency `n`, reduced to an eighth or not.
+    /// The mesh of frequency `n`, reduced to an eighth or not, with a membrane of `law`.
     ///
     /// # Errors
-    /// [`FomError::MeshFrequency`], [`FomError::Degree`].
-    pub fn new(frequency: usize, symmetric: bool, membrane: MembraneDiscretisation) -> Result<Self, FomError> {
+    /// [`FomError::Law`], [`FomError::MeshFrequency`], [`FomError::Degree`].
+    pub fn new(
+        frequency: usize,
+        symmetric: bool,
+        membrane: MembraneDiscretisation,
+        law: MembraneLaw,
+    ) -> Result<Self, FomError> {
+        law.validate()?;
         let mesh = Mesh::octahedral(frequency)?;
         let symmetry = if symmetric {
             Symmetry::reduced(&mesh)?
@@ -58,16 +66,18 @@ impl Discretisation {
         let membrane = match membrane {
             MembraneDiscretisation::Harmonics { degree, bending } => {
                 let degree = degree.unwrap_or(3 * frequency);
-                MembraneModel::Harmonics(Box::new(HarmonicMembrane::new(
-                    &mesh, &symmetry, &patch, degree, bending,
-                )?))
+                let membrane = HarmonicMembrane::new(&mesh, &symmetry, &patch, degree, (law, bending))?;
+                MembraneModel::Harmonics(Box::new(membrane))
             }
-            MembraneDiscretisation::QuadraticElements => MembraneModel::QuadraticElements(Membrane::new(&mesh, &patch)),
+            MembraneDiscretisation::QuadraticElements => {
+                MembraneModel::QuadraticElements(Membrane::new(&mesh, &patch, law))
+            }
         };
         Ok(Self {
             mesh,
             symmetry,
             patch,
+            law,
             membrane,
         })
     }
@@ -298,7 +308,7 @@ mod tests {
         membrane: MembraneDiscretisation,
         harmonic: fn([f64; 3]) -> (f64, [f64; 3]),
     ) -> [f64; 2] {
-        let discretisation = Discretisation::new(frequency, false, membrane).unwrap();
+        let discretisation = Discretisation::new(frequency, false, membrane, MembraneLaw::default()).unwrap();
         let flow = FreeSpace::new(Background::Rest);
         let mut capsule = Capsule::new(&discretisation, &flow, 1.0, 1.0);
         let nodes = &discretisation.mesh.nodes;
@@ -376,7 +386,8 @@ mod tests {
     /// The fields of a hollow shape in a coarse duct, and the pressure drop; without what depends on how the nodes are
     /// grouped.
     fn in_coarse_duct(symmetric: bool) -> (Fields, f64) {
-        let discretisation = Discretisation::new(3, symmetric, MembraneDiscretisation::default()).unwrap();
+        let discretisation =
+            Discretisation::new(3, symmetric, MembraneDiscretisation::default(), MembraneLaw::default()).unwrap();
         let duct = Duct::new(&DuctSettings {
             symmetric,
             precision: Precision::Double,
@@ -450,7 +461,8 @@ mod tests {
 
     #[test]
     fn recentring_keeps_the_laboratory_positions() {
-        let discretisation = Discretisation::new(3, true, MembraneDiscretisation::default()).unwrap();
+        let discretisation =
+            Discretisation::new(3, true, MembraneDiscretisation::default(), MembraneLaw::default()).unwrap();
         let flow = FreeSpace::new(Background::Rest);
         let mut capsule = Capsule::new(&discretisation, &flow, 1.0, 1.0);
         let shifted: Vec<_> = discretisation

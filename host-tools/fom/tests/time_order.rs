@@ -3,11 +3,12 @@
 use capsule_fom::flow::{Background, FreeSpace};
 use capsule_fom::integrator::{FixedStep, Rkc2, Scheme, State, Stepper};
 use capsule_fom::system::{Capsule, Discretisation};
-use capsule_fom::{EvaluationError, MembraneDiscretisation};
+use capsule_fom::{EvaluationError, MembraneDiscretisation, MembraneLaw};
 
 /// The flat state at t = 0.32.
 fn end_state(mut stepper: impl Stepper<EvaluationError>) -> Vec<f64> {
-    let discretisation = Discretisation::new(2, false, MembraneDiscretisation::default()).unwrap();
+    let discretisation =
+        Discretisation::new(2, false, MembraneDiscretisation::default(), MembraneLaw::default()).unwrap();
     let flow = FreeSpace::new(Background::Shear { rate: 1.0 });
     let mut capsule = Capsule::new(&discretisation, &flow, 0.3, 1.0);
     let value = capsule.initial_value();

@@ -16,6 +16,14 @@ pub enum OfflineError {
         /// The parameters' names.
         found: Vec<String>,
     },
+    /// The database is of another law than the settings state.
+    #[error("the settings state a membrane of the law \"{expected}\", the database is of \"{found}\"")]
+    WrongLaw {
+        /// The settings' law.
+        expected: String,
+        /// The database's law.
+        found: String,
+    },
     /// No sample lies in the domain, or no snapshot at an instant of the errors.
     #[error(
         "no sample in the domain {}, or no snapshot at any of t = {}",

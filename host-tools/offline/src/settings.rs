@@ -1,7 +1,7 @@
 //! Settings of a build.
 
 use capsule_core::model::wire::{Kernel, MAX_PARAMETERS, Method, Paper};
-use capsule_database::Collection;
+use capsule_database::{Collection, Database};
 use serde::Serialize;
 
 use crate::OfflineError;
@@ -170,6 +170,15 @@ impl Default for Settings {
 const ERROR_INSTANTS: usize = 32;
 
 impl Settings {
+    /// The settings for a database: the default ones, with its law.
+    #[must_use]
+    pub fn of_database(database: &Database) -> Self {
+        Settings {
+            membrane_law: database.description().membrane_law().to_owned(),
+            ..Settings::default()
+        }
+    }
+
     /// The settings for other people's data: a tolerance of 1e-4 of the capsule's radius, distances in which all
     /// parameters have the same range, and one cluster.
     ///

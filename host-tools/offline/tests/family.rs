@@ -87,6 +87,27 @@ fn the_model_returns_the_family_between_its_samples() {
 }
 
 #[test]
+fn a_model_has_the_law_of_its_database() {
+    let directory = tempfile::tempdir().unwrap();
+    let law = "Skalak, C = 1";
+    let database = grid::of_law(directory.path(), law);
+    // Never silently that of the settings.
+    let Err(error) = build(&database, &settings(), &quiet) else {
+        panic!("another law was accepted");
+    };
+    let text = error.to_string();
+    assert!(text.contains("neo-Hookean") && text.contains(law), "{text}");
+    let settings = Settings {
+        membrane_law: Settings::of_database(&database).membrane_law,
+        ..settings()
+    };
+    let (bytes, _) = build(&database, &settings, &quiet).unwrap();
+    let model = Model::open(&bytes).unwrap();
+    assert_eq!(model.membrane_law(), law);
+    assert!(!model.has_mechanics());
+}
+
+#[test]
 fn leaving_a_sample_out_changes_nothing_for_the_family() {
     let directory = tempfile::tempdir().unwrap();
     let database = database(directory.path());

@@ -213,7 +213,7 @@ pub fn replay(
     until: f64,
     progress: Progress,
 ) -> Result<Vec<Replayed>, StudyError> {
-    let settings = Settings::default();
+    let settings = Settings::of_database(database);
     let subsets = Subsets::new(database, &settings, progress)?;
     let samples = subsets.samples();
     let compared = |design, chosen: &[usize], bytes: &[u8]| {

@@ -3,7 +3,6 @@
 use std::hint::black_box;
 
 use capsule_core::mechanics::Stencil;
-use capsule_core::model::Reference;
 use capsule_core::{
     Domain, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Observables, Parameters, Playback, Query,
     Real, Scene, Segment, Workspace, playback_len, section,
@@ -90,7 +89,7 @@ pub const SCENES: [Task; 7] = [
 /// All tasks that a model supports.
 pub fn tasks(model: &Model<'_>) -> impl Iterator<Item = Task> {
     let outline = model.node_set(MIDPLANE).is_some();
-    let membrane = matches!(model.reference(), Reference::Sphere);
+    let membrane = model.has_mechanics();
     QUERIES.into_iter().chain(SCENES).filter(move |task| match task.what {
         What::Outline => outline,
         What::Tensions => membrane,
@@ -165,8 +164,11 @@ impl<T: Real> Asker<T> {
     /// A model that does not fit the workspace.
     pub fn new(model: &Model<'_>, method: Method) -> Result<Self, EvaluateError> {
         let mesh = model.mesh();
-        let sphere = matches!(model.reference(), Reference::Sphere);
-        let sector = if sphere { mesh.sector_nodes().len() } else { 0 };
+        let sector = if model.has_mechanics() {
+            mesh.sector_nodes().len()
+        } else {
+            0
+        };
         let end = f64::from(model.end_time());
         let times = (1..=INSTANTS).map(|i| T::from_f64(end * i as f64 / INSTANTS as f64));
         let stencils = mesh.sector_nodes().iter().take(sector);

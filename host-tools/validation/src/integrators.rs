@@ -61,7 +61,7 @@ pub fn study(
     settings.validate()?;
     configuration.validate()?;
     let problem = Problem {
-        discretisation: Discretisation::new(settings.mesh_frequency, true, settings.membrane)?,
+        discretisation: Discretisation::new(settings.mesh_frequency, true, settings.membrane, settings.law)?,
         duct: Duct::new(&settings.duct).map_err(FomError::Duct)?,
         configuration,
         end_time: settings.end_time,

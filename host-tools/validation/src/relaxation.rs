@@ -1,5 +1,6 @@
 //! How a slightly deformed sphere relaxes in fluid at rest.
 
+use capsule_fom::MembraneLaw;
 use capsule_fom::flow::{Background, FreeSpace};
 use capsule_fom::system::{Capsule, Discretisation};
 use nalgebra::Vector3;
@@ -21,7 +22,7 @@ pub const RATES: [(u32, [f64; 2]); 4] = [
 pub fn checks(rates: &[(u32, [f64; 2])]) -> Result<Vec<Check>, ValidationError> {
     let mut checks = Vec::new();
     for (name, membrane) in MEMBRANES {
-        let discretisation = Discretisation::new(MESH, false, membrane)?;
+        let discretisation = Discretisation::new(MESH, false, membrane, MembraneLaw::default())?;
         for &(degree, exact) in rates {
             let computed = relaxation_rates(&discretisation, Harmonic::oblique(degree))?;
             for (speed, rate, exact) in [("slow", computed[0], exact[0]), ("fast", computed[1], exact[1])] {

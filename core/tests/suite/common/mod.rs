@@ -410,7 +410,7 @@ impl Family {
                     velocity: "V",
                     time: "l/V",
                 },
-                membrane_law: "none",
+                membrane_law: "neo-Hookean",
                 bending_stiffness: Some(1e-4),
                 parameters: [("capillary_number", 0.005, 0.2), ("confinement", 0.75, 1.2)]
                     .into_iter()

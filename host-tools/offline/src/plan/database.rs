@@ -22,6 +22,7 @@ impl<'a> Plan<'a> {
         progress: Progress,
     ) -> Result<Self, OfflineError> {
         check_parameters(database)?;
+        check_law(database, settings)?;
         let symmetry = database.symmetry();
         let mesh = OwnedMesh::new(database.mesh(), symmetry, Reference::Sphere)?;
         let names = Source::Database(database).parameter_names();
@@ -78,6 +79,18 @@ impl<'a> Plan<'a> {
             parts,
             nodes: database.mesh().nodes.len(),
             samples,
+        })
+    }
+}
+
+fn check_law(database: &Database, settings: &Settings) -> Result<(), OfflineError> {
+    let found = database.description().membrane_law();
+    if found == settings.membrane_law {
+        Ok(())
+    } else {
+        Err(OfflineError::WrongLaw {
+            expected: settings.membrane_law.clone(),
+            found: found.to_owned(),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! How well a capsule is identified: on outlines of the full-order model that no sample shares, with and without noise,
 //! and on the model's own outlines, whose truth is exact.
 
+mod laws;
 mod raster;
 mod trials;
 mod truth;
@@ -9,12 +10,13 @@ use std::path::Path;
 
 use capsule_core::{Domain, Model};
 use capsule_database::{Database, table};
-use capsule_identify::{Grid, Observable, Priors};
+use capsule_identify::{Grid, Observable, Point, Priors, Shapes};
 use capsule_measurement::Bench;
 use serde::Serialize;
 
 use crate::StudyError;
 use crate::random::Random;
+pub use laws::{LawSeries, identify_laws};
 use trials::{Known, Trial, by_contour, by_lengths};
 use truth::{Drawing, HALF_WIDTH_UM, Truth, contour, normal};
 
@@ -127,50 +129,9 @@ pub fn identify(
         let grid = Grid::new(&mut shapes)?;
         for plan in &plans {
             progress("identify", all.len(), steps);
-            let mut random = Random(SEED);
-            let (mut trials, mut refused) = (Vec::new(), 0);
-            for _ in 0..if plan.noise > 0.0 { repeats } else { 1 } {
-                for truth in &truths {
-                    let trial = match plan.from {
-                        From::Lengths => {
-                            let deviation_um = plan.noise * plan.drawing(0.0).pixel_um();
-                            by_lengths(&mut shapes, &grid, truth, deviation_um, &mut random)
-                        }
-                        From::FullOrder | From::Own | From::Picture => {
-                            let mut drawing = plan.drawing(plan.noise);
-                            if plan.unknown_frame {
-                                drawing.edge = 0.25 * normal(&mut random);
-                                drawing.scale = 0.005 * normal(&mut random);
-                                drawing.tilt = 0.02 * normal(&mut random);
-                            }
-                            let (parameters, outline) = if plan.from == From::Own {
-                                let [ca, confinement] = anywhere(model, &mut random);
-                                let shape = shapes.at([ca.ln(), confinement])?;
-                                let outline = (0..=2000).map(|i| shape.curve.position(f64::from(i) / 2000.0));
-                                ([ca, confinement], outline.collect())
-                            } else {
-                                (truth.parameters, truth.outline.clone())
-                            };
-                            let known = plan.known(&drawing);
-                            let drawn = match plan.from {
-                                From::Picture => picture(&outline, &drawing, &mut random),
-                                _ => Ok(contour(&outline, &drawing, &mut random)),
-                            };
-                            drawn.and_then(|drawn| by_contour(&mut shapes, &grid, points, parameters, &drawn, &known))
-                        }
-                    };
-                    match trial {
-                        Ok(trial) => trials.push(trial),
-                        Err(StudyError::Identify(_) | StudyError::Picture(_)) => refused += 1,
-                        Err(error) => return Err(error),
-                    }
-                }
-            }
-            let observable = match observable {
-                Observable::Midplane => "midplane",
-                Observable::Silhouette => "silhouette",
-            };
-            rows.extend(trials.iter().map(|trial| row(observable, plan, trial)));
+            let (trials, refused) = plan.run(model, &truths, repeats, (&mut shapes, &grid, points))?;
+            let observable = shown(observable);
+            rows.extend(trials.iter().map(|trial| trial.row(observable, plan.name, plan.pixels)));
             all.push(Series {
                 refused,
                 ..Series::new(model, observable, plan, &trials)
@@ -178,14 +139,26 @@ pub fn identify(
         }
     }
     progress("identify", steps, steps);
+    write(out, &all, rows)?;
+    Ok(all)
+}
+
+/// The name of an observable in tables.
+fn shown(observable: Observable) -> &'static str {
+    match observable {
+        Observable::Midplane => "midplane",
+        Observable::Silhouette => "silhouette",
+    }
+}
+
+/// Writes all trials as `trials.csv` and the series as `series.json` into the folder.
+fn write(out: &Path, series: &impl Serialize, rows: Vec<Vec<String>>) -> Result<(), StudyError> {
     let write = |name: &str, bytes: Vec<u8>| {
         let path = out.join(name);
         std::fs::write(&path, bytes).map_err(|source| StudyError::Write { path, source })
     };
     write("trials.csv", table::csv(None, HEADING, rows)?)?;
-    let json = serde_json::to_vec_pretty(&all).unwrap_or_default();
-    write("series.json", json)?;
-    Ok(all)
+    write("series.json", serde_json::to_vec_pretty(series).unwrap_or_default())
 }
 
 /// Where a trial's outline comes from.
@@ -213,14 +186,7 @@ struct Plan {
 }
 
 fn plans() -> Vec<Plan> {
-    let plan = |name, from, noise, unknown_frame| Plan {
-        name,
-        from,
-        pixels: PIXELS,
-        noise,
-        unknown_frame,
-        half_width_error: 0.0,
-    };
+    let plan = Plan::new;
     let mut plans = vec![
         plan("no noise", From::FullOrder, 0.0, false),
         plan("no noise, frame fitted", From::FullOrder, 0.0, true),
@@ -254,6 +220,67 @@ fn plans() -> Vec<Plan> {
 }
 
 impl Plan {
+    fn new(name: &'static str, from: From, noise: f64, unknown_frame: bool) -> Self {
+        Self {
+            name,
+            from,
+            pixels: PIXELS,
+            noise,
+            unknown_frame,
+            half_width_error: 0.0,
+        }
+    }
+
+    /// The trials of all truths, and how many were refused.
+    fn run(
+        &self,
+        model: &Model<'_>,
+        truths: &[Truth],
+        repeats: usize,
+        (shapes, grid, points): (&mut Shapes<'_, '_>, &Grid, &mut [Point]),
+    ) -> Result<(Vec<Trial>, usize), StudyError> {
+        let mut random = Random(SEED);
+        let (mut trials, mut refused) = (Vec::new(), 0);
+        for _ in 0..if self.noise > 0.0 { repeats } else { 1 } {
+            for truth in truths {
+                let trial = match self.from {
+                    From::Lengths => {
+                        let deviation_um = self.noise * self.drawing(0.0).pixel_um();
+                        by_lengths(shapes, grid, truth, deviation_um, &mut random)
+                    }
+                    From::FullOrder | From::Own | From::Picture => {
+                        let mut drawing = self.drawing(self.noise);
+                        if self.unknown_frame {
+                            drawing.edge = 0.25 * normal(&mut random);
+                            drawing.scale = 0.005 * normal(&mut random);
+                            drawing.tilt = 0.02 * normal(&mut random);
+                        }
+                        let (parameters, outline) = if self.from == From::Own {
+                            let [ca, confinement] = anywhere(model, &mut random);
+                            let shape = shapes.at([ca.ln(), confinement])?;
+                            let outline = (0..=2000).map(|i| shape.curve.position(f64::from(i) / 2000.0));
+                            ([ca, confinement], outline.collect())
+                        } else {
+                            (truth.parameters, truth.outline.clone())
+                        };
+                        let known = self.known(&drawing);
+                        let drawn = match self.from {
+                            From::Picture => picture(&outline, &drawing, &mut random),
+                            _ => Ok(contour(&outline, &drawing, &mut random)),
+                        };
+                        drawn.and_then(|drawn| by_contour(shapes, grid, points, parameters, &drawn, &known))
+                    }
+                };
+                match trial {
+                    Ok(trial) => trials.push(trial),
+                    Err(StudyError::Identify(_) | StudyError::Picture(_)) => refused += 1,
+                    Err(error) => return Err(error),
+                }
+            }
+        }
+        Ok((trials, refused))
+    }
+
     fn drawing(&self, noise: f64) -> Drawing {
         Drawing {
             pixels: self.pixels,
@@ -392,23 +419,4 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let place = (sorted.len().saturating_sub(1) as f64 * share).round() as usize;
     sorted.get(place).copied().unwrap_or(0.0)
-}
-
-fn row(observable: &str, plan: &Plan, trial: &Trial) -> Vec<String> {
-    let found = &trial.found;
-    let (ca, confinement) = (found.capillary_number, found.confinement);
-    let numbers = [
-        trial.truth[0],
-        trial.truth[1],
-        ca.value,
-        confinement.value,
-        ca.interval_95.low,
-        ca.interval_95.high,
-        confinement.interval_95.low,
-        confinement.interval_95.high,
-        found.structure,
-    ];
-    let texts = [observable.to_owned(), plan.name.to_owned(), plan.pixels.to_string()].into_iter();
-    let numbers = numbers.iter().map(|number| format!("{number:.6}"));
-    texts.chain(numbers).chain([found.verdict.name().to_owned()]).collect()
 }

@@ -39,6 +39,26 @@ impl Trial {
         ]
     }
 
+    /// Its row in the table of all trials.
+    pub(crate) fn row(&self, observable: &str, series: &str, pixels: f64) -> Vec<String> {
+        let found = &self.found;
+        let (ca, confinement) = (found.capillary_number, found.confinement);
+        let numbers = [
+            self.truth[0],
+            self.truth[1],
+            ca.value,
+            confinement.value,
+            ca.interval_95.low,
+            ca.interval_95.high,
+            confinement.interval_95.low,
+            confinement.interval_95.high,
+            found.structure,
+        ];
+        let texts = [observable.to_owned(), series.to_owned(), pixels.to_string()].into_iter();
+        let numbers = numbers.iter().map(|number| format!("{number:.6}"));
+        texts.chain(numbers).chain([found.verdict.name().to_owned()]).collect()
+    }
+
     /// Whether the intervals of 68 and 95 % hold the true Ca and a.
     pub(crate) fn holds(&self) -> [[bool; 2]; 2] {
         let [ca, confinement] = self.truth;
