@@ -42,9 +42,11 @@ pub fn pack() -> Result<()> {
 
 /// Tests the packages from their archives, against `program`, the command.
 pub fn test(program: &Path) -> Result<()> {
-    run(command_in(&root().join("wasm/npm/tests"), "node --test")
-        .env("CAPSULE_ROM", program)
-        .env("CAPSULE_NPM", packages()))
+    run(
+        command_in(&root().join("wasm/npm/tests"), "node --test --test-concurrency=2")
+            .env("CAPSULE_ROM", program)
+            .env("CAPSULE_NPM", packages()),
+    )
 }
 
 /// The package of the core's API.
