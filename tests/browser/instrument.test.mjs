@@ -511,7 +511,7 @@ describe("the element", () => {
       page.evaluate(() =>
         [
           document.documentElement,
-          ...document.querySelectorAll("body, body > :not(capsule-explorer, script), text"),
+          ...document.querySelectorAll("body, body > :not(capsule-explorer, script), body > svg > text"),
         ].map((part) => {
           const { font, color, backgroundColor, display, margin, padding, borderWidth } = getComputedStyle(part);
           const { height } = part.matches("html, body") ? { height: 0 } : part.getBoundingClientRect();
