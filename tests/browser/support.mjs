@@ -24,6 +24,8 @@ const ARGUMENTS = [
   "--disable-sync",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
+  // Debian's Chromium has the graphics card draw the page. An emulated one takes several times as long as the processor.
+  "--disable-gpu-rasterization",
 ];
 
 /** The shipped model, or the one that the page was built with. */
