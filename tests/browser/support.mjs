@@ -14,7 +14,7 @@ export const EXPLORER = resolve(ROOT, "wasm/explorer");
 /** The built page. */
 export const DIST = resolve(EXPLORER, "dist");
 /** Debian's Chromium, or another executable. */
-export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const ARGUMENTS = [
   "--no-sandbox",
   "--disable-quic",
