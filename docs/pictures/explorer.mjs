@@ -4,7 +4,7 @@ import { resolve } from "node:path";
 import { openPage, serve, settled, startBrowser } from "../../tests/browser/support.mjs";
 
 const server = await serve();
-const browser = await startBrowser(["--disable-gpu-rasterization"]);
+const browser = await startBrowser();
 const { page, close } = await openPage(browser, `${server.url}#ca=0.1&al=0.9&t=3`, {
   viewport: { width: 1440, height: 900 },
   deviceScaleFactor: 0.6,

@@ -24,15 +24,17 @@ function miniBrowser() {
   return places.map((place) => join(place, "MiniBrowser")).find(existsSync);
 }
 
-/** What each browser needs, what brings it, and what it is asked for. */
+const Xvfb = program("Xvfb");
+
+/** The driver, the browser and the screen that each needs, what brings them, and what the driver is asked for. */
 export const BROWSERS = {
   Firefox: {
-    programs: { driver: program("geckodriver"), browser: program("firefox-esr", "firefox"), Xvfb: program("Xvfb") },
+    programs: { geckodriver: program("geckodriver"), "firefox-esr": program("firefox-esr", "firefox"), Xvfb },
     install: "apt-get install firefox-esr xvfb; cargo install geckodriver",
     ask: (binary) => new Builder().forBrowser("firefox").setFirefoxOptions(new firefox.Options().setBinary(binary)),
   },
   WebKitGTK: {
-    programs: { driver: program("WebKitWebDriver"), browser: miniBrowser(), Xvfb: program("Xvfb") },
+    programs: { WebKitWebDriver: program("WebKitWebDriver"), MiniBrowser: miniBrowser(), Xvfb },
     install: "apt-get install webkit2gtk-driver xvfb",
     ask: (binary) =>
       new Builder().withCapabilities(
@@ -45,8 +47,9 @@ export const BROWSERS = {
 };
 
 /** Starts a browser: its page, its name and version, and what ends it. */
-export async function startDriven({ programs: { driver: path, browser, Xvfb }, ask }) {
-  const screen = await startScreen(Xvfb);
+export async function startDriven({ programs, ask }) {
+  const [path, browser, screenPath] = Object.values(programs);
+  const screen = await startScreen(screenPath);
   const service = new remote.DriverService.Builder(path)
     .setLoopback(true)
     .setEnvironment({ ...process.env, DISPLAY: screen.name })

@@ -56,7 +56,7 @@ function shares({ nodes, samples }) {
 }
 
 const server = await serve();
-const browser = await startBrowser(["--disable-gpu-rasterization"]);
+const browser = await startBrowser();
 try {
   for (const [name, more] of [
     ["sections and plots", "&views=midplane.diagonal.transversal.plots"],

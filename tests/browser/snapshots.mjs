@@ -1,7 +1,7 @@
 // Pictures of every view, compared with stored ones: `npm run snapshots`, after `cargo xtask explore --build-only`.
 // With `--write` the pictures of this run become the stored ones. New pictures and differences: target/snapshots.
 
-import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import pixelmatch from "pixelmatch";
 import { drop, identified, pointsText, SETUP, section } from "./outlines.mjs";
@@ -105,23 +105,26 @@ async function judge(codec, name, made) {
 
 const isWritten = process.argv.includes("--write");
 const server = await serve();
-const browser = await startBrowser(["--disable-gpu-rasterization"]);
+const browser = await startBrowser();
 try {
-  const folder = isWritten ? STORED : MADE;
-  rmSync(folder, { recursive: true, force: true });
-  mkdirSync(folder, { recursive: true });
+  rmSync(MADE, { recursive: true, force: true });
+  mkdirSync(MADE, { recursive: true });
   const codec = await browser.newPage();
   for (const view of Object.keys(VIEWS)) {
     for await (const [name, screenshot] of pictures(browser, server.url, view)) {
       const pixels = await codec.evaluate(decode, screenshot.toString("base64"));
       const made = Buffer.from(await codec.evaluate(encode, pixels), "base64");
-      writeFileSync(join(folder, name), made);
+      writeFileSync(join(MADE, name), made);
       const problem = isWritten ? undefined : await judge(codec, name, made);
       if (problem !== undefined) process.exitCode = 1;
-      process.stdout.write(`${name.padEnd(36)} ${problem ?? (isWritten ? "written" : "as stored")}\n`);
+      process.stdout.write(`${name.padEnd(36)} ${problem ?? (isWritten ? "taken" : "as stored")}\n`);
     }
   }
-  process.stdout.write(`Chromium ${browser.version()}; pictures in ${folder}\n`);
+  if (isWritten) {
+    rmSync(STORED, { recursive: true, force: true });
+    cpSync(MADE, STORED, { recursive: true });
+  }
+  process.stdout.write(`Chromium ${browser.version()}; the pictures are in ${isWritten ? STORED : MADE}\n`);
 } finally {
   await browser.close();
   server.stop();

@@ -14,7 +14,7 @@ export const EXPLORER = resolve(ROOT, "wasm/explorer");
 /** The built page. */
 export const DIST = resolve(EXPLORER, "dist");
 /** Debian's Chromium, or another executable. */
-export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const ARGUMENTS = [
   "--no-sandbox",
   "--disable-quic",
@@ -24,6 +24,8 @@ const ARGUMENTS = [
   "--disable-sync",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
+  // Debian's Chromium has the graphics card draw the page. An emulated one takes several times as long as the processor.
+  "--disable-gpu-rasterization",
 ];
 
 /** The shipped model, or the one that the page was built with. */
