@@ -333,7 +333,7 @@ mod tests {
     /// The forces do the work of the elements' forces in smooth displacements: of one discretisation each.
     #[test]
     fn forces_are_those_of_the_elements() {
-        let mesh = Mesh::octahedral(12).unwrap();
+        let mesh = Mesh::octahedral(6).unwrap();
         let patch = Patch::new(&mesh, &Symmetry::unreduced(&mesh));
         // A polynomial, which harmonics hold exactly.
         let shape = |&[x, y, z]: &[f64; 3]| {
