@@ -231,7 +231,9 @@ mod tests {
                 ]
             })
             .collect();
-        assert!(norm(&f.load(&moved, 1.3)) < 1e-13, "{law}");
+        // The stiffest law has seven times the area dilatation modulus of the neo-Hookean one.
+        let bound = if law.is_neo_hookean() { 1e-14 } else { 1e-13 };
+        assert!(norm(&f.load(&moved, 1.3)) < bound, "{law}");
         assert!(f.membrane.energy(&f.patch, &moved, 1.3).abs() < 1e-13);
     }
 
