@@ -34,7 +34,8 @@ ERROR_TIMES = (8.0, 20.0)
 # Where the initial shape, and with it the solution, has a kink.
 KINK = 0.9
 CAPILLARY_NUMBERS = {"Ca": lambda ca: ca, "sqrt Ca": np.sqrt, "log Ca": np.log}
-REPETITIONS = 3
+REPETITIONS = 10
+TIMED_EVERY = 7
 # More modes than there are.
 ALL = 10**6
 
@@ -163,28 +164,31 @@ def statistics(errors):
 
 
 def measure(answer, tests, indices):
-    """Errors over a, and the processor time of a query, the least of some repetitions, so that other programs on the
-    machine count little. `answer` gives all nodes at all instants."""
-    errors = {time_: ([], []) for time_ in ERROR_TIMES}
-    seconds = []
-    answer(tests.parameters[indices[0]])
+    """Errors over a, and the processor time of a query; `answer` gives all nodes at all instants."""
+    instants = [{"t": instant, "hausdorff": [], "nodes": []} for instant in ERROR_TIMES]
     for index in indices:
-        query = tests.parameters[index]
+        positions = answer(tests.parameters[index])
+        confinement = tests.parameters[index, 1]
+        for errors in instants:
+            found, true = positions[tests.at(errors["t"])], tests.positions[index, tests.at(errors["t"])]
+            errors["hausdorff"].append(hausdorff(found, true) / confinement)
+            errors["nodes"].append(np.linalg.norm(found - true, axis=1).mean() / confinement)
+    for errors in instants:
+        errors |= {kind: statistics(errors[kind]) for kind in ("hausdorff", "nodes")}
+    return {"instants": instants, "query_ms": 1e3 * duration(answer, tests.parameters[indices[::TIMED_EVERY]])}
+
+
+def duration(answer, queries):
+    """The processor time of a query, median: of each the least of some repetitions, since other programs disturb."""
+    seconds = []
+    for query in queries:
         times = []
         for _ in range(REPETITIONS):
             start = time.process_time()
-            positions = answer(query)
+            answer(query)
             times.append(time.process_time() - start)
         seconds.append(min(times))
-        for instant, (distances, apart) in errors.items():
-            found, true = positions[tests.at(instant)], tests.positions[index, tests.at(instant)]
-            distances.append(hausdorff(found, true) / query[1])
-            apart.append(np.linalg.norm(found - true, axis=1).mean() / query[1])
-    instants = [
-        {"t": instant, "hausdorff": statistics(distances), "nodes": statistics(apart)}
-        for instant, (distances, apart) in errors.items()
-    ]
-    return {"instants": instants, "query_ms": 1e3 * float(np.median(seconds))}
+    return float(np.median(seconds))
 
 
 def tune(samples, tests):
