@@ -23,7 +23,13 @@ fn database(folder: &Path) -> Database {
     ] {
         let trajectory = relaxing(database.mesh(), &times[..snapshots]);
         let parameters = parameters.to_vec();
-        database.write(&Trajectory { parameters, status, ..trajectory }).unwrap();
+        database
+            .write(&Trajectory {
+                parameters,
+                status,
+                ..trajectory
+            })
+            .unwrap();
     }
     database
 }
@@ -113,7 +119,9 @@ fn an_export_ends_when_it_is_asked_to() {
         calls.push((done, of));
         if done == 4 { ControlFlow::Break(()) } else { CONTINUE }
     };
-    let error = export.write_npz(&folder.path().join("a.npz"), &mut progress).unwrap_err();
+    let error = export
+        .write_npz(&folder.path().join("a.npz"), &mut progress)
+        .unwrap_err();
     assert!(matches!(error, DatabaseError::Interrupted), "{error}");
     // Positions and velocities of three configurations.
     assert_eq!(calls, [(1, 6), (2, 6), (3, 6), (4, 6)]);
