@@ -80,9 +80,9 @@ fn exports_that_cannot_be_are_refused() {
     );
     refused("database export nowhere --npz a.npz", 1, &["nowhere", "database.json"]);
     refused(
-        "database export database --t 0,0.3 --npz a.npz",
+        "database export database --t 0,0.5 --npz a.npz",
         1,
-        &["t = 0.3", "(0.2, 0.4)"],
+        &["t = 0.5", "(0.4, 0.6"],
     );
     refused(
         "database export database --t 1,2 --hdf5 a.h5",

@@ -7,8 +7,8 @@ use crate::{Collection, Description, Status};
 
 const CONTINUE: ControlFlow<()> = ControlFlow::Continue(());
 
-/// Four configurations over five instants: one steady after three, one to the end, one unsteady to the end, one unsteady
-/// whose snapshots end early.
+/// Four configurations over five instants: one steady after three, one to the end, one unsteady to the end, one
+/// unsteady whose snapshots end early.
 fn database(folder: &Path) -> Database {
     let times: Vec<f64> = (0..5).map(|i| 0.2 * f64::from(i)).collect();
     let mesh = octahedral(2);
