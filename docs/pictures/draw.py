@@ -91,34 +91,5 @@ def run_time():
     write("run-time-against-error.svg", width, height, "Run time against error", body)
 
 
-def peers():
-    designs = json.loads((RESULTS / "peers.json").read_text())["designs"]
-    x0, x1, y0, y1 = -2.2, 0.6, -1.5, 2.5
-    px = lambda e: 70 + (math.log10(e) - x0) / (x1 - x0) * 600
-    py = lambda ms: 340 - (math.log10(ms) - y0) / (y1 - y0) * 310
-    body = []
-    for e in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2]:
-        body.append(f'<path class="g" d="M{px(e):.0f} 30V340"/>'
-                    f'<text class="s" x="{px(e) - 10:.0f}" y="356">{e:g}</text>')
-    for ms, label in [(0.1, "100 us"), (1, "1 ms"), (10, "10 ms"), (100, "100 ms")]:
-        y = py(ms)
-        body.append(f'<path class="g" d="M70 {y:.0f}H670"/><text class="s" x="15" y="{y + 4:.0f}">{label}</text>')
-    body.append('<text x="220" y="382">mean error at t = 8, per cent of a</text>')
-    body.append('<text x="15" y="18">processor time of a query</text>')
-    colours = {"paper": "#b3541e", "shipped": "#2f6f9f"}
-    for (design, colour), y in zip(colours.items(), (60, 80)):
-        count = designs[design]["samples"]
-        body.append(f'<circle cx="530" cy="{y - 4}" r="5" fill="{colour}"/>')
-        body.append(f'<text x="542" y="{y}">{count} samples</text>')
-        for entry in designs[design]["tools"]:
-            at_8 = next(instant for instant in entry["instants"] if instant["t"] == 8)
-            x, y_ = px(at_8["hausdorff"]["mean_percent"]), py(entry["query_ms"])
-            body.append(f'<circle cx="{x:.0f}" cy="{y_:.0f}" r="5" fill="{colour}"/>')
-            label = entry["tool"].replace("POD + ", "")
-            body.append(f'<text class="s" x="{x + 9:.0f}" y="{y_ + 4:.0f}">{label}</text>')
-    write("peers.svg", 700, 400, "Error and time of a query of several tools", body)
-
-
 data_flow()
 run_time()
-peers()

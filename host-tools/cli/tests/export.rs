@@ -33,16 +33,23 @@ fn a_model_of_an_export_answers_like_one_of_the_database() {
     database(&root.path().join("database"));
     let run = |text: &str| json(root.path(), words(text));
     let report = run("database export database --t 0:2:0.2,3:8:1,12,20 --hdf5 data.h5 --json");
-    assert_eq!((&report["configurations"], &report["instants"]), (&9.into(), &19.into()));
+    assert_eq!(
+        (&report["configurations"], &report["instants"]),
+        (&9.into(), &19.into())
+    );
     assert!(report["extended"].as_u64() > Some(0), "all are stored to t = 20");
     run("offline build --from data.h5 --out export.crom --quiet --json");
     run("offline build --database database --out database.crom --quiet --json");
     let own = run("predict --model database.crom --ca 0.05 --confinement 0.97 --t 1,3,8,20 --json");
-    let other = run(
-        "predict --model export.crom --parameters capillary_number=0.05,confinement=0.97 --t 1,3,8,20 --json",
-    );
+    let other =
+        run("predict --model export.crom --parameters capillary_number=0.05,confinement=0.97 --t 1,3,8,20 --json");
     assert_eq!(other["units"]["length"], "l");
-    for (own, other) in own["instants"].as_array().unwrap().iter().zip(other["instants"].as_array().unwrap()) {
+    for (own, other) in own["instants"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(other["instants"].as_array().unwrap())
+    {
         for name in ["axial_length", "half_width", "half_diagonal", "velocity", "volume"] {
             let [own, other] = [own, other].map(|instant| instant[name].as_f64().unwrap());
             assert!((own - other).abs() < 1e-3, "{name}: {own} {other}");
@@ -56,21 +63,48 @@ fn exports_that_cannot_be_are_refused() {
     database(&root.path().join("database"));
     let refused = |text: &str, code, said: &[&str]| {
         fails(root.path(), words(text), code, said);
-        assert!(std::fs::read_dir(root.path()).unwrap().count() == 1, "`{text}` left something");
+        assert!(
+            std::fs::read_dir(root.path()).unwrap().count() == 1,
+            "`{text}` left something"
+        );
     };
-    refused("database export database", 2, &["--npz <FILE>|--hdf5 <FILE>|--vtu <DIR>"]);
-    refused("database export database --npz a.npz --vtu b", 2, &["cannot be used with"]);
+    refused(
+        "database export database",
+        2,
+        &["--npz <FILE>|--hdf5 <FILE>|--vtu <DIR>"],
+    );
+    refused(
+        "database export database --npz a.npz --vtu b",
+        2,
+        &["cannot be used with"],
+    );
     refused("database export nowhere --npz a.npz", 1, &["nowhere", "database.json"]);
-    refused("database export database --t 0,0.3 --npz a.npz", 1, &["t = 0.3", "(0.2, 0.4)"]);
-    refused("database export database --t 1,2 --hdf5 a.h5", 1, &["--t 1,2", "expected 0"]);
-    refused("database export database --vtu database/mesh.npz", 1, &["would overwrite"]);
+    refused(
+        "database export database --t 0,0.5 --npz a.npz",
+        1,
+        &["t = 0.5", "(0.4, 0.6"],
+    );
+    refused(
+        "database export database --t 1,2 --hdf5 a.h5",
+        1,
+        &["--t 1,2", "expected 0"],
+    );
+    refused(
+        "database export database --vtu database/mesh.npz",
+        1,
+        &["would overwrite"],
+    );
     // The fault is met when half is written.
     let damaged = root.path().join("database/ca0.0600_al1.0000.npz");
     let mut bytes = std::fs::read(&damaged).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 0xff;
     std::fs::write(&damaged, &bytes).unwrap();
-    refused("database export database --t 0,8 --npz a.npz", 1, &["ca0.0600_al1.0000.npz"]);
+    refused(
+        "database export database --t 0,8 --npz a.npz",
+        1,
+        &["ca0.0600_al1.0000.npz"],
+    );
 }
 
 #[test]
@@ -78,13 +112,24 @@ fn a_surface_is_written_for_one_instant() {
     let root = tempfile::tempdir().unwrap();
     let model = models().join("capsule.crom");
     let predict = |rest: &str| {
-        let mut arguments = vec!["predict", "--ca", "0.1", "--confinement", "0.9", "--model", model.to_str().unwrap()];
+        let mut arguments = vec![
+            "predict",
+            "--ca",
+            "0.1",
+            "--confinement",
+            "0.9",
+            "--model",
+            model.to_str().unwrap(),
+        ];
         arguments.extend(rest.split(' '));
         capsule_rom(root.path(), arguments)
     };
     assert!(predict("--t 8 --stl capsule.stl").status.success());
     // A header, and four triangles for each of the elements.
-    assert_eq!(root.path().join("capsule.stl").metadata().unwrap().len(), 84 + 50 * 4 * 1352);
+    assert_eq!(
+        root.path().join("capsule.stl").metadata().unwrap().len(),
+        84 + 50 * 4 * 1352
+    );
     let two = predict("--t 7,8 --stl two.stl");
     let message = String::from_utf8_lossy(&two.stderr).into_owned();
     assert!(!two.status.success() && message.contains("one instant"), "{message}");

@@ -61,7 +61,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("capsule.stl");
         let mesh = octahedral(4);
-        let positions: Vec<_> = mesh.nodes.iter().map(|[x, y, z]| [3.0 + 1.5 * x, 0.8 * y, 0.7 * z]).collect();
+        let positions: Vec<_> = mesh
+            .nodes
+            .iter()
+            .map(|[x, y, z]| [3.0 + 1.5 * x, 0.8 * y, 0.7 * z])
+            .collect();
         write(&path, &mesh, &positions).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let count = 4 * mesh.elements.len();

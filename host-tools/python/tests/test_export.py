@@ -80,7 +80,7 @@ def test_numpy_reads_what_the_database_holds(database, arrays):
     assert (arrays["length_unit"].item(), arrays["time_unit"].item()) == ("l", "l/V")
     assert arrays["times"].tolist() == TIMES
     assert (arrays["elements"] == mesh["elements"]).all()
-    files = sorted(database.glob("ca*.npz"))
+    files = sorted(database.glob("ca*.npz"), key=lambda path: np.load(path)["parameters"].tolist())
     for row, path in enumerate(files):
         file = np.load(path)
         assert (arrays["parameters"][row] == file["parameters"]).all()

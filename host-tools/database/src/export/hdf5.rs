@@ -38,7 +38,11 @@ pub(super) fn write(export: &Export, path: &Path, progress: Progress) -> Result<
 /// The arrays that fit into memory.
 fn small(export: &Export, file: &H5File) -> Result<(), Hdf5Error> {
     let names = export.names();
-    let parameters: Vec<f64> = export.entries.iter().flat_map(|entry| entry.parameters.clone()).collect();
+    let parameters: Vec<f64> = export
+        .entries
+        .iter()
+        .flat_map(|entry| entry.parameters.clone())
+        .collect();
     let numbers = |shape: &[usize], name: &str, numbers: &[f64]| {
         let dataset = file.new_dataset::<f64>().shape(shape).create(name)?;
         dataset.write_raw(numbers)

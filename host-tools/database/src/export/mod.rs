@@ -2,8 +2,8 @@
 //! [`Collection::read`](crate::Collection::read).
 //!
 //! Trajectories end at different times: a run ends soon after its shape is steady. All are exported at the same
-//! instants, as a model is built: a steady capsule goes on in rigid translation ([`Trajectory::extended`]), and one that
-//! is not steady at its end is left out if that lies before the last instant.
+//! instants, as a model is built: a steady capsule goes on in rigid translation ([`Trajectory::extended`]), and one
+//! that is not steady at its end is left out if that lies before the last instant.
 
 mod hdf5;
 mod npz;

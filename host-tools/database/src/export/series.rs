@@ -19,7 +19,10 @@ pub(super) fn write(export: &Export, folder: &Path, progress: Progress) -> Resul
             }
             series.finish()?;
             let row = std::iter::once(format!("{name}/capsule.pvd"));
-            rows.push(row.chain(entry.parameters.iter().map(f64::to_string)).collect::<Vec<_>>());
+            rows.push(
+                row.chain(entry.parameters.iter().map(f64::to_string))
+                    .collect::<Vec<_>>(),
+            );
             Ok(())
         },
         |done| progress(done, export.entries.len()),

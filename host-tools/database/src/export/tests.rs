@@ -7,8 +7,8 @@ use crate::{Collection, Description, Status};
 
 const CONTINUE: ControlFlow<()> = ControlFlow::Continue(());
 
-/// Four configurations over five instants: one steady after three, one to the end, one unsteady to the end, one unsteady
-/// whose snapshots end early.
+/// Four configurations over five instants: one steady after three, one to the end, one unsteady to the end, one
+/// unsteady whose snapshots end early.
 fn database(folder: &Path) -> Database {
     let times: Vec<f64> = (0..5).map(|i| 0.2 * f64::from(i)).collect();
     let mesh = octahedral(2);
@@ -23,7 +23,13 @@ fn database(folder: &Path) -> Database {
     ] {
         let trajectory = relaxing(database.mesh(), &times[..snapshots]);
         let parameters = parameters.to_vec();
-        database.write(&Trajectory { parameters, status, ..trajectory }).unwrap();
+        database
+            .write(&Trajectory {
+                parameters,
+                status,
+                ..trajectory
+            })
+            .unwrap();
     }
     database
 }
@@ -113,7 +119,9 @@ fn an_export_ends_when_it_is_asked_to() {
         calls.push((done, of));
         if done == 4 { ControlFlow::Break(()) } else { CONTINUE }
     };
-    let error = export.write_npz(&folder.path().join("a.npz"), &mut progress).unwrap_err();
+    let error = export
+        .write_npz(&folder.path().join("a.npz"), &mut progress)
+        .unwrap_err();
     assert!(matches!(error, DatabaseError::Interrupted), "{error}");
     // Positions and velocities of three configurations.
     assert_eq!(calls, [(1, 6), (2, 6), (3, 6), (4, 6)]);
