@@ -6,6 +6,7 @@ mod derivatives;
 mod direct;
 mod flips;
 mod format;
+mod golden;
 mod header;
 mod laziness;
 mod limits;
