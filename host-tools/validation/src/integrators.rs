@@ -60,6 +60,7 @@ pub fn study(
 ) -> Result<Vec<Row>, ValidationError> {
     settings.validate()?;
     configuration.validate()?;
+    integrators.iter().try_for_each(Integrator::validate)?;
     let problem = Problem {
         discretisation: Discretisation::new(settings.mesh_frequency, true, settings.membrane, settings.law)?,
         duct: Duct::new(&settings.duct).map_err(FomError::Duct)?,
@@ -72,7 +73,6 @@ pub fn study(
     let mut rows = Vec::new();
     for (i, integrator) in integrators.iter().enumerate() {
         progress(i + 1, total);
-        integrator.validate()?;
         let run = match *integrator {
             Integrator::ForwardEuler { step } => problem.run(&mut FixedStep::new(Scheme::ForwardEuler, step)),
             Integrator::Ralston { step } => problem.run(&mut FixedStep::new(Scheme::Ralston, step)),
