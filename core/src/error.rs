@@ -253,8 +253,8 @@ impl EvaluateError {
             Self::UnknownNode { node, nodes } => write!(f, "node {node} does not exist: the mesh has {nodes} nodes"),
             Self::UnsupportedReference => write!(
                 f,
-                "the mechanics of the membrane is known only for the neo-Hookean law, and where the stress-free state is \
-                 a sphere of radius a/l"
+                "the mechanics of the membrane is known only for the neo-Hookean law, and where the stress-free state \
+                 is a sphere of radius a/l"
             ),
             Self::StencilTooSmall { node } => write!(
                 f,

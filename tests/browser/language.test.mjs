@@ -121,8 +121,8 @@ async function walk(points) {
 /** Words that are the same in both languages, or names: no text of the page has others in common. */
 const SHARED = new Set(
   (
-    "CapsuleExplorer Capsule Explorer Confinement Volume Pause Oblique Tension pixels Figures CSV JSON HTML SVG PNG STL " +
-    "OBJ VTP GLB MP4 live Licences Membrane own crom Entropy mPa mN pixels Extrapolation"
+    "CapsuleExplorer Capsule Explorer Confinement Volume Pause Oblique Tension pixels Figures CSV JSON HTML SVG PNG " +
+    "STL OBJ VTP GLB MP4 live Licences Membrane own crom Entropy mPa mN pixels Extrapolation"
   ).split(" "),
 );
 

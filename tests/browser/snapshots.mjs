@@ -9,7 +9,7 @@ import { openPage, ROOT, serve, settled, startBrowser } from "./support.mjs";
 
 const STORED = resolve(import.meta.dirname, "snapshots");
 const MADE = resolve(ROOT, "target/snapshots");
-/** Pixels that may differ, as a share of all; a pixel differs by more than this share of the way from black to white. */
+/** Share of the pixels that may differ; a pixel differs by more than this share of the way from black to white. */
 const TOLERANCE = { pixels: 0.002, colour: 0.15 };
 
 const QUERY = "#ca=0.08&al=0.9&t=3";

@@ -24,7 +24,7 @@ const ARGUMENTS = [
   "--disable-sync",
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
-  // Debian's Chromium has the graphics card draw the page. An emulated one takes several times as long as the processor.
+  // Debian's Chromium has the graphics card draw the page. An emulated one takes several times as long.
   "--disable-gpu-rasterization",
 ];
 

@@ -33,8 +33,8 @@ pub enum PictureError {
     },
     /// The background has another kind of grey levels.
     #[error(
-        "one of picture and background has floating-point grey levels, the other whole numbers, so their scales differ: \
-         save both in one way"
+        "one of picture and background has floating-point grey levels, the other whole numbers, so their scales \
+         differ: save both in one way"
     )]
     Levels,
     /// Nothing stands out.

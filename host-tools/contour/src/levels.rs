@@ -17,8 +17,8 @@ pub(crate) enum Unit {
     Greatest(f64),
 }
 
-/// The grey levels of a PNG, JPEG or TIFF, and their unit; of a stack, those of the first picture. Colours become shades
-/// of grey.
+/// The grey levels of a PNG, JPEG or TIFF, and their unit; of a stack, those of the first picture. Colours become
+/// shades of grey.
 pub(crate) fn read(bytes: &[u8]) -> Result<(Grey, Unit), PictureError> {
     let reader = Reader::new(Cursor::new(bytes)).with_guessed_format();
     let reader = reader.map_err(|error| unreadable(error.to_string()))?;

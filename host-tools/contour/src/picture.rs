@@ -59,8 +59,8 @@ pub struct Capsule {
 }
 
 impl Picture {
-    /// Reads a PNG, JPEG or TIFF, the last also of floating-point numbers; of a stack, the first picture. Colours become
-    /// shades of grey.
+    /// Reads a PNG, JPEG or TIFF, the last also of floating-point numbers; of a stack, the first picture. Colours
+    /// become shades of grey.
     ///
     /// # Errors
     /// Bytes that are none of these, or too few pixels.

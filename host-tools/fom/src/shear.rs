@@ -60,10 +60,9 @@ pub struct ShearOutcome {
 /// Deforms a spherical, stress-free capsule by simple shear.
 ///
 /// # Errors
-/// [`FomError::NotPositive`], [`FomError::Law`], [`FomError::MeshFrequency`] or [`FomError::TooManySnapshots`] for a bad
-/// setting,
-/// [`FomError::UnstableStep`] for a fixed step that is too long, [`FomError::Shear`] if the surface cannot be carried
-/// on.
+/// [`FomError::NotPositive`], [`FomError::Law`], [`FomError::MeshFrequency`] or [`FomError::TooManySnapshots`] for a
+/// bad setting, [`FomError::UnstableStep`] for a fixed step that is too long, [`FomError::Shear`] if the surface cannot
+/// be carried on.
 pub fn shear(capillary_number: f64, settings: &Settings) -> Result<ShearOutcome, FomError> {
     positive("capillary number Ca", capillary_number)?;
     positive("end time", settings.end_time)?;

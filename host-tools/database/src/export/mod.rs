@@ -114,11 +114,7 @@ impl<'d> Export<'d> {
 
     /// Lengths of the arrays' axes: configurations, instants, nodes.
     fn lengths(&self) -> [usize; 3] {
-        [
-            self.entries.len(),
-            self.times.len(),
-            self.database.mesh().nodes.len(),
-        ]
+        [self.entries.len(), self.times.len(), self.database.mesh().nodes.len()]
     }
 
     /// Reads the configurations one by one, with their indices.

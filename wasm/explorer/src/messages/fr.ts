@@ -441,8 +441,8 @@ export const fr: Messages = {
       {
         title: "Une capsule, vue et coupée",
         words: `<p>Chaque plan a sa couleur, en 3D et dans sa coupe. La membrane peut montrer sa tension, son
-          élongation, son énergie, sa charge ou son mouvement, et s’ouvre pour laisser voir l’intérieur. La bande autour d’un
-          contour a la largeur de la borne d’erreur.</p>`,
+          élongation, son énergie, sa charge ou son mouvement, et s’ouvre pour laisser voir l’intérieur. La bande autour
+          d’un contour a la largeur de la borne d’erreur.</p>`,
       },
       {
         title: "Des valeurs, et leur fiabilité",

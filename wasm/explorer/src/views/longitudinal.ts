@@ -187,7 +187,7 @@ export class Longitudinal implements ViewPart {
     this.#drawTicks(visible, context, laboratory);
   }
 
-  /** The undisturbed flow's profile at the left edge, in the frame that the section is seen in, with its largest value. */
+  /** The undisturbed flow's profile at the left edge, in the frame of the section, with its largest value. */
   #drawFlow(capsule: number | undefined, { state, units }: Context): void {
     const isLaboratory = state.frame === "laboratory";
     const isShown = this.#outline === "midplane" && state.profile && (isLaboratory || capsule !== undefined);
