@@ -33,7 +33,7 @@ export class Plots implements ViewPart {
     const redraw = () => {
       if (this.#drawn !== undefined) this.draw(...this.#drawn);
     };
-    this.#plots = QUANTITIES.map((quantity) => new Plot(stage, quantity, redraw));
+    this.#plots = QUANTITIES.map((quantity) => new Plot(root, stage, quantity, redraw));
   }
 
   draw(traces: readonly Trace[], context: Context): void {
@@ -65,9 +65,11 @@ class Plot {
   #height = 0;
   #key = "";
 
-  constructor(stage: HTMLElement, quantity: Quantity, onSize: () => void) {
+  constructor(root: Root, stage: HTMLElement, quantity: Quantity, onSize: () => void) {
     this.quantity = quantity;
     this.#svg = svg("svg", { role: "img", class: "plot" }, stage);
+    // Until it is drawn, with values.
+    root.speak((words) => set(this.#svg, { "aria-label": nameOf(words, quantity, false) }));
     const { plane } = PRESENTATION[quantity];
     if (plane !== undefined) this.#svg.dataset.plane = plane;
     this.#axis = svg("g", { class: "axis" }, this.#svg);
