@@ -60,19 +60,29 @@ pub fn of(package: &str, target: &str) -> Result<String> {
     Ok(text)
 }
 
+/// The paths in a folder.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    fs::read_dir(folder)
+        .with_context(|| folder.display().to_string())?
+        .map(|entry| Ok(entry?.path()))
+        .collect()
+}
+
 impl Crate {
     /// The licence texts in the crate's folder. Where one of several licences may be chosen, MIT is, else Apache-2.0.
     fn texts(&self) -> Result<String> {
-        let mut files: Vec<PathBuf> = fs::read_dir(&self.folder)
-            .with_context(|| self.folder.display().to_string())?
-            .map(|entry| Ok(entry?.path()))
-            .collect::<Result<_>>()?;
+        let mut files = entries(&self.folder)?;
         files.retain(|file| {
             let name = upper_case_name(file);
             ["LICENSE", "LICENCE", "COPYING", "NOTICE"]
                 .iter()
                 .any(|start| name.starts_with(start))
         });
+        // Some keep theirs in a folder LICENSES.
+        let (folders, mut files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| file.is_dir());
+        for folder in folders {
+            files.extend(entries(&folder)?);
+        }
         files.sort();
         if !self.licence.contains(" AND ") {
             for chosen in ["MIT", "APACHE"] {
