@@ -7,7 +7,7 @@ import { explorer } from "./support.mjs";
 
 const { open, onPage } = explorer();
 const ADDRESS = "#ca=0.1&al=0.9&t=3&speed=5&views=solid&colour=tension_1";
-const VIEWPORT = { width: 760, height: 560 };
+const VIEWPORT = { width: 400, height: 480 };
 
 /** Runs in a page: the video's size and length, and how much of the picture differs between two of its instants. */
 async function watch(data) {
