@@ -166,8 +166,8 @@ impl<'a> Model<'a> {
         self.contents.mesh.reference
     }
 
-    /// Whether the [mechanics] of the membrane is known: that of a neo-Hookean membrane which is stress-free as a sphere
-    /// of radius a/l.
+    /// Whether the [mechanics] of the membrane is known: that of a neo-Hookean membrane which is stress-free as a
+    /// sphere of radius a/l.
     pub fn has_mechanics(&self) -> bool {
         matches!(self.reference(), Reference::Sphere) && self.membrane_law() == mechanics::LAW
     }
