@@ -53,7 +53,7 @@ async function* pictures(browser, url, view) {
     for (const colorScheme of ["light", "dark"]) {
       await page.setViewportSize(viewport);
       await page.emulateMedia({ colorScheme });
-      // What is computed in the gaps between frames is there as well.
+      // Results of the gaps between frames are there as well.
       await page.waitForTimeout(500);
       await settled(page);
       const target = size === "wide" ? page : page.locator(part);
@@ -83,7 +83,7 @@ async function decode(picture) {
   return [width, height, new Uint8Array(data.buffer).toBase64()];
 }
 
-/** What is wrong with a picture, if anything; a difference is drawn. */
+/** The fault of a picture, if any; a difference is drawn. */
 async function judge(codec, name, made) {
   const stored = join(STORED, name);
   if (!existsSync(stored)) return "is not stored";

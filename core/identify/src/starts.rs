@@ -55,7 +55,7 @@ impl Solver<'_, '_, '_, '_> {
         Ok((direction, candidates))
     }
 
-    /// What is measured of the features if the flow has a direction.
+    /// The measured features for a direction of the flow.
     fn features(&self, direction: Direction) -> [Option<f64>; FEATURES] {
         let half_width = self.measurement.setup.half_width_um;
         let contour = self.measurement.contour;

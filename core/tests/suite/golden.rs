@@ -1,13 +1,10 @@
 //! A file of every format that the reader knows, and the bits of its answers; others are refused by their number.
-//! `cargo test -p capsule-core --test suite golden -- --ignored` writes the file of a new format: that of an earlier
-//! one stays as it is.
+//! A file is the family of `common` when its format was new, and stays as it is.
 
-use crate::common::Family;
 use capsule_core::{
     DIAGONAL, EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, OpenError, Query, Real, Scene, Workspace,
 };
 use std::fmt::{LowerHex, Write as _};
-use std::path::Path;
 
 const FORMAT: u32 = 10;
 const FILE: &[u8] = include_bytes!("golden/format-10.crom");
@@ -110,13 +107,4 @@ fn every_other_format_is_refused_by_its_number() {
             "{text}"
         );
     }
-}
-
-#[test]
-#[ignore = "writes the files that the other tests read"]
-fn write() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/golden");
-    let file = Family::small().file();
-    std::fs::write(folder.join(format!("format-{FORMAT}.txt")), answers(&file)).unwrap();
-    std::fs::write(folder.join(format!("format-{FORMAT}.crom")), file).unwrap();
 }

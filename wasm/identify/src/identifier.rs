@@ -29,7 +29,7 @@ const AROUND: f64 = 2.7;
 pub(crate) enum Error {
     Open(OpenError),
     Measurement(MeasurementError),
-    /// What is said cannot be read.
+    /// The setup cannot be read.
     Said(serde_json::Error),
     /// No velocity is said, or several are.
     Velocities,

@@ -1,4 +1,4 @@
-//! What is said of an outline.
+//! The setup of a measured outline.
 
 use crate::identifier::Error;
 use capsule_contour::Edge;

@@ -22,7 +22,7 @@ export interface Pin {
   readonly extrapolate: boolean;
 }
 
-/** What an explorer shows. */
+/** The state of an explorer. */
 export interface State {
   /** Capillary number Ca. */
   readonly ca: number;

@@ -18,7 +18,7 @@ use crate::{Database, DatabaseError, Entry, Trajectory, collection};
 /// Is called with the configurations that are written, and their number; may ask to end the work.
 pub type Progress<'p> = &'p mut dyn FnMut(usize, usize) -> ControlFlow<()>;
 
-/// What is exported of a database.
+/// The exported part of a database.
 #[derive(Debug)]
 pub struct Export<'d> {
     database: &'d Database,

@@ -27,7 +27,7 @@ export class Root {
     return this.#language;
   }
 
-  /** What is said at present. */
+  /** The messages of the present language. */
   get words(): Messages {
     return this.#words;
   }

@@ -23,7 +23,7 @@ export interface Context {
   readonly capsule: Capsule;
   readonly units: Units;
   readonly errors: ErrorMeaning;
-  /** What is said, in the language of the page. */
+  /** Messages in the language of the page. */
   readonly words: Messages;
   /** Whether a view is open and the model offers it. */
   readonly shows: (view: View) => boolean;
