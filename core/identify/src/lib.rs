@@ -26,6 +26,7 @@ mod measurement;
 mod misfit;
 mod model_error;
 mod noise;
+mod products;
 mod profile;
 mod residuals;
 mod sequence;
