@@ -113,7 +113,7 @@ impl Reduced {
     ) -> Option<(Self, [[f64; NUISANCES]; NUISANCES])> {
         let columns = |residual: f64, place: Place| {
             let [ca, confinement] = match place {
-                Place::Along { place, normal } => sensitivity.outward(place, normal),
+                Place::Along { trace, place, normal } => sensitivity.outward(trace, place, normal),
                 Place::Scalar(scalar) => sensitivity.scalars[scalar],
             };
             [residual, -ca, -confinement]

@@ -6,8 +6,8 @@ use crate::domain::Side;
 use crate::fit::{Accuracy, Fitter};
 use crate::grid::{FEATURES, Grid, distance, of_curve};
 use crate::measurement::{Contour, MAX_FRAMES, Measurement, Sequence};
-use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
-use crate::residuals::{Data, EDGE, NUISANCES, Place, Point, SCALE, SHIFT};
+use crate::noise::{Bins, LEAST_NOISE, Noise};
+use crate::residuals::{Data, EDGE, NUISANCES, Place, Point, SCALE, SHIFT, Trace};
 use crate::shapes::{SCALARS, Shape};
 use crate::solver::Solver;
 use crate::starts::START_POINTS;
@@ -30,8 +30,7 @@ const TIME_STEP: f64 = 0.02;
 /// A frame and the fit's part in it.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    pub(crate) points: [Point; 2 * BINS],
-    pub(crate) count: usize,
+    pub(crate) bins: Bins,
     /// Of a point, as if all were independent.
     pub(crate) noise: f64,
     /// The residuals of all points; none before they are gathered.
@@ -127,10 +126,11 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             (frame.t, frame.noise, frame.nuisances) = (instants[j], noise, [0.0; NUISANCES]);
             frame.nuisances[SHIFT] = -0.5 * (front + rear);
             let all = contour.points_um.len();
-            frame.count = all.min(START_POINTS);
-            for (i, point) in frame.points.iter_mut().enumerate().take(frame.count) {
+            let count = all.min(START_POINTS);
+            frame.bins.count = count;
+            for (i, point) in frame.bins.points.iter_mut().enumerate().take(count) {
                 let one = Contour {
-                    points_um: contour.points_um.get(i * all / frame.count..).unwrap_or_default(),
+                    points_um: contour.points_um.get(i * all / count..).unwrap_or_default(),
                     ..*contour
                 };
                 one.fill(contour.direction, half_width, middle, core::slice::from_mut(point));
@@ -160,11 +160,11 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             let measurement = self.sequence.measurement(contour);
             let nuisances = self.frames[j].nuisances;
             let solver = self.solver(&measurement);
-            let noise = solver.estimate_noise(&shape.curve, &nuisances, None, points);
+            let noise = solver.estimate_noise(Trace::Outline, &shape, &nuisances, None, points);
             let data = solver.data(&[], 1.0);
             let frame = &mut self.frames[j];
             (frame.noise, frame.residuals) = (noise.effective.max(LEAST_NOISE), noise);
-            frame.count = bin(&data, &shape.curve, &nuisances, points, &mut frame.points);
+            frame.bins = Bins::gather(&data, (Trace::Outline, &shape), &nuisances, points);
         }
         Ok(())
     }
@@ -173,8 +173,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
     pub(crate) fn data<'p>(&mut self, j: usize, frame: &'p Frame, bound: f64) -> Data<'p> {
         let root = libm::sqrt(self.count() as f64);
         let measurement = self.sequence.measurement(&self.sequence.contours[j]);
-        let points = frame.points.get(..frame.count).unwrap_or_default();
-        let mut data = self.solver(&measurement).data(points, frame.noise);
+        let mut data = self.solver(&measurement).data(frame.bins.all(), frame.noise);
         (data.bound, data.scale) = (bound, root);
         (data.deviations[EDGE], data.deviations[SCALE]) = (root * data.deviations[EDGE], root * data.deviations[SCALE]);
         data
@@ -213,8 +212,8 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             let mut own = [0.0; OWN];
             own[1..].copy_from_slice(by_nuisances);
             (own[1 + EDGE], own[1 + SCALE]) = (0.0, 0.0);
-            if let Place::Along { place, normal } = place {
-                let [ca, confinement] = sensitivity.outward(place, normal);
+            if let Place::Along { trace, place, normal } = place {
+                let [ca, confinement] = sensitivity.outward(trace, place, normal);
                 (common[0], common[1]) = (-ca, -confinement);
                 own[0] = -dot(in_time.at_place(place), normal);
             }

@@ -151,6 +151,8 @@ pub struct Identification {
     pub degrees_of_freedom: f64,
     /// Root of the mean square of the residuals, in um.
     pub residual_um: f64,
+    /// That of the points of a dent line, if there is one.
+    pub dent_line_residual_um: Option<f64>,
     /// The noise of a point that the intervals count with, in um.
     pub noise_um: f64,
     /// How many neighbouring residuals count as one, because they err alike.

@@ -38,7 +38,7 @@ mod starts;
 pub use contour::{ContourError, MAX_GAP, MIN_POINTS};
 pub use curve::{Curve, Foot, MAX_HALF};
 pub use domain::Side;
-pub use error::IdentifyError;
+pub use error::{DentLineError, IdentifyError, MIN_LINE_POINTS};
 pub use grid::Grid;
 pub use identification::{Alternative, Estimate, Frame, Identification, Verdict};
 pub use measurement::{Contour, Direction, Flow, Lengths, MAX_FRAMES, Measured, Measurement, Priors, Sequence, Setup};

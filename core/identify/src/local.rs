@@ -66,20 +66,29 @@ impl Fitter<'_, '_, '_> {
         }
         // Outward movement of the curve's points and change of the scalars: the coefficients of the monomials but 1.
         let mut outward = [[0.0; TERMS - 1]; MAX_HALF];
+        let mut of_section = [[0.0; TERMS - 1]; MAX_HALF];
         let mut scalars = [[0.0; TERMS - 1]; SCALARS];
         for at in PLACES {
             let Shape {
-                curve, scalars: there, ..
+                curve,
+                section,
+                scalars: there,
+                ..
             } = self.shapes.at(place(at))?;
             for (i, (sums, point)) in outward.iter_mut().zip(fit.shape.curve.points()).enumerate() {
                 add(sums, at, -curve.nearest_from(i, *point).distance);
+            }
+            if !data.line.is_empty() {
+                for (i, (sums, point)) in of_section.iter_mut().zip(fit.shape.section.points()).enumerate() {
+                    add(sums, at, -section.nearest_from(i, *point).distance);
+                }
             }
             for (sums, (there, here)) in scalars.iter_mut().zip(there.iter().zip(&fit.shape.scalars)) {
                 add(sums, at, there - here);
             }
         }
         let columns = |residual: f64, place: Place| {
-            let own = place.value(&fit.shape.curve, &outward, &scalars);
+            let own = place.value(&fit.shape, [&outward, &of_section], &scalars);
             let mut terms = [residual; TERMS];
             terms.iter_mut().skip(1).zip(own).for_each(|(term, own)| *term = -own);
             terms

@@ -167,6 +167,9 @@ pub struct Measurement<'a> {
     pub setup: Setup,
     /// A contour, if there is one.
     pub contour: Option<Contour<'a>>,
+    /// Points along the line at which the dent behind is seen through the capsule, in um, in the coordinates of the
+    /// contour of a silhouette; empty if there is none.
+    pub dent_line_um: &'a [[f64; 2]],
     /// Numbers.
     pub lengths: Lengths,
     /// Systematic errors.

@@ -3,9 +3,9 @@
 use crate::domain::{Domain, Side};
 use crate::fit::Fitter;
 use crate::local::Local;
-use crate::noise::BINS;
+use crate::noise::Bins;
 use crate::profile::Profile;
-use crate::residuals::{Data, NUISANCES, Point};
+use crate::residuals::{Data, NUISANCES};
 use crate::shapes::{Shape, Shapes};
 use capsule_core::EvaluateError;
 
@@ -20,8 +20,8 @@ const CLOSE: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub struct Misfit {
     data: Data<'static>,
-    bins: [Point; 2 * BINS],
-    count: usize,
+    bins: Bins,
+    line: Bins,
     nuisances: [f64; NUISANCES],
     /// The best fit, [ln Ca, a/l], and its sum.
     theta: [f64; 2],
@@ -37,17 +37,14 @@ pub struct Misfit {
 
 impl Misfit {
     pub(crate) fn of(profile: &Profile<'_>, freedom: Option<f64>) -> Self {
-        let mut bins = [Point::default(); 2 * BINS];
-        bins.iter_mut()
-            .zip(profile.data.points)
-            .for_each(|(bin, point)| *bin = *point);
         Self {
             data: Data {
                 points: &[],
+                line: &[],
                 ..profile.data
             },
-            bins,
-            count: profile.data.points.len(),
+            bins: Bins::of(profile.data.points),
+            line: Bins::of(profile.data.line),
             nuisances: profile.fit.nuisances,
             theta: profile.fit.theta,
             sum: profile.sum,
@@ -85,7 +82,8 @@ impl Misfit {
     /// The least sum of a shape.
     fn profiled(&self, shape: &Shape) -> f64 {
         let data = Data {
-            points: self.bins.get(..self.count).unwrap_or_default(),
+            points: self.bins.all(),
+            line: self.line.all(),
             ..self.data
         };
         let (mut nuisances, mut sum) = (self.nuisances, f64::INFINITY);

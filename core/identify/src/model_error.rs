@@ -9,7 +9,7 @@
 
 use crate::algebra::Factor;
 use crate::fit::Fit;
-use crate::residuals::{MODE, MODES, NUISANCES};
+use crate::residuals::{MODE, MODES, NUISANCES, Trace};
 use crate::shapes::{Sensitivity, Shape};
 
 /// nu, the degrees of freedom of the scale.
@@ -45,7 +45,7 @@ pub(crate) fn of_parameters(shape: &Shape, sensitivity: &Sensitivity) -> [f64; 2
     let count = curve.count();
     let mut squares = [0.0; 2];
     for i in 0..count {
-        let outward = sensitivity.outward(i as f64, curve.normal(i));
+        let outward = sensitivity.outward(Trace::Outline, i as f64, curve.normal(i));
         (0..2).for_each(|d| squares[d] += 0.5 * outward[d] * outward[d] / count as f64);
     }
     // Half of the square each: (E^2 / 2) / (2 squares).

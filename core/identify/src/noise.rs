@@ -1,9 +1,9 @@
 //! Noise of a contour's points from the residuals: robust weights, correlation of neighbours, bins.
 
 use crate::algebra::Factor;
-use crate::curve::Curve;
 use crate::fit::Fit;
-use crate::residuals::{Data, NUISANCES, Point};
+use crate::residuals::{Data, NUISANCES, Point, Trace};
+use crate::shapes::Shape;
 use crate::solver::{SIGNIFICANT, Solver};
 
 /// Bins on each side of the axis into which a contour is gathered for its intervals.
@@ -42,10 +42,11 @@ impl Noise {
 }
 
 impl Solver<'_, '_, '_, '_> {
-    /// Noise of the residuals from a curve, and Huber's weights of the points.
+    /// Noise of the residuals from a shape, and Huber's weights of the points.
     pub(crate) fn estimate_noise(
         &self,
-        curve: &Curve,
+        trace: Trace,
+        shape: &Shape,
         nuisances: &[f64; NUISANCES],
         fit: Option<&Fit>,
         points: &mut [Point],
@@ -57,11 +58,12 @@ impl Solver<'_, '_, '_, '_> {
         let given = self
             .measurement
             .contour
+            .filter(|_| trace == Trace::Outline)
             .and_then(|contour| contour.noise_um)
             .map(|noise| noise / half_width);
         let data = self.data(&[], 1.0);
         for point in &mut *points {
-            let residual = data.point_residual(curve, point.place, nuisances);
+            let residual = data.point_residual(trace, shape, point.place, nuisances);
             (point.residual, point.along, point.below) = residual;
         }
         // The median of the residuals' sizes by halving, for which they need no order.
@@ -139,45 +141,72 @@ fn correlated(points: &[Point]) -> f64 {
     correlated
 }
 
-/// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal until
-/// its residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
-pub(crate) fn bin(
-    data: &Data<'_>,
-    curve: &Curve,
-    nuisances: &[f64; NUISANCES],
-    points: &[Point],
-    bins: &mut [Point; 2 * BINS],
-) -> usize {
-    bins.fill(Point::default());
-    if points.len() <= bins.len() {
-        bins.iter_mut().zip(points).for_each(|(bin, point)| *bin = *point);
-        return points.len();
+/// Points of a contour, or bins of them, on both sides of the axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bins {
+    pub(crate) points: [Point; 2 * BINS],
+    pub(crate) count: usize,
+}
+
+impl Bins {
+    pub(crate) const EMPTY: Self = Self {
+        points: [Point::ORIGIN; 2 * BINS],
+        count: 0,
+    };
+
+    /// The same points.
+    pub(crate) fn of(points: &[Point]) -> Self {
+        let mut bins = Self::EMPTY;
+        bins.count = points.len().min(bins.points.len());
+        bins.points
+            .iter_mut()
+            .zip(points)
+            .for_each(|(bin, point)| *bin = *point);
+        bins
     }
-    let width = curve.count().saturating_sub(1) as f64 / BINS as f64;
-    for point in points {
-        let bin = ((point.along / width) as usize).min(BINS - 1) + if point.below { BINS } else { 0 };
-        let bin = &mut bins[bin];
-        bin.weight += point.weight;
-        bin.residual += point.weight * point.residual;
-        (0..2).for_each(|d| bin.place[d] += point.weight * point.place[d]);
-    }
-    let mut count = 0;
-    for i in 0..bins.len() {
-        let bin = bins[i];
-        if bin.weight > 0.0 {
-            let place = bin.place.map(|x| x / bin.weight);
-            let (residual, along, below) = data.point_residual(curve, place, nuisances);
-            let normal = data.normal_at(curve, place, nuisances);
-            let missing = bin.residual / bin.weight - residual;
-            bins[count] = Point {
-                place: [0, 1].map(|d| place[d] + missing * normal[d]),
-                weight: bin.weight,
-                residual: bin.residual / bin.weight,
-                along,
-                below,
-            };
-            count += 1;
+
+    /// Gathers points in bins along the curve, each on either side: the mean of the places, moved along the normal
+    /// until its residual is the mean of theirs, for the mean of places on a bent curve lies inside it.
+    pub(crate) fn gather(
+        data: &Data<'_>,
+        (trace, shape): (Trace, &Shape),
+        nuisances: &[f64; NUISANCES],
+        points: &[Point],
+    ) -> Self {
+        let mut bins = Self::EMPTY;
+        if points.len() <= bins.points.len() {
+            return Self::of(points);
         }
+        let curve = trace.curve(shape);
+        let width = curve.count().saturating_sub(1) as f64 / BINS as f64;
+        for point in points {
+            let bin = ((point.along / width) as usize).min(BINS - 1) + if point.below { BINS } else { 0 };
+            let bin = &mut bins.points[bin];
+            bin.weight += point.weight;
+            bin.residual += point.weight * point.residual;
+            (0..2).for_each(|d| bin.place[d] += point.weight * point.place[d]);
+        }
+        for i in 0..bins.points.len() {
+            let bin = bins.points[i];
+            if bin.weight > 0.0 {
+                let place = bin.place.map(|x| x / bin.weight);
+                let (residual, along, below) = data.point_residual(trace, shape, place, nuisances);
+                let normal = data.normal_at(curve, place, nuisances);
+                let missing = bin.residual / bin.weight - residual;
+                bins.points[bins.count] = Point {
+                    place: [0, 1].map(|d| place[d] + missing * normal[d]),
+                    weight: bin.weight,
+                    residual: bin.residual / bin.weight,
+                    along,
+                    below,
+                };
+                bins.count += 1;
+            }
+        }
+        bins
     }
-    count
+
+    pub(crate) fn all(&self) -> &[Point] {
+        self.points.get(..self.count).unwrap_or_default()
+    }
 }

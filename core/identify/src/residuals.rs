@@ -1,9 +1,10 @@
-//! The sum of squares that is made small: points of the contour, lengths, priors.
+//! The sum of squares that is made small: points of the contour and of a dent line, lengths, priors.
 //!
 //! A point's residual is its distance from the model's curve along the normal, less the edge's offset and the model's
 //! own error. That error is a smooth function of the place along the curve, a sum of cosines with coefficients around 0
 //! that are nuisance parameters like the rest: so errors of the model widen the intervals as much as they can move the
-//! answer, and are not averaged away as if they were noise.
+//! answer, and are not averaged away as if they were noise. Along a dent line it is not fitted: there the model errs
+//! in a few places independently.
 
 use crate::curve::{Curve, MAX_HALF, dot};
 use crate::measurement::{Measured, Priors};
@@ -23,13 +24,44 @@ pub(crate) const TILT: usize = 2;
 pub(crate) const EDGE: usize = 3;
 /// Place of the relative error of the scale.
 pub(crate) const SCALE: usize = 4;
+/// Place of the offset of a dent line.
+pub(crate) const LINE: usize = 5;
 /// Place of the first cosine.
-pub(crate) const MODE: usize = 5;
+pub(crate) const MODE: usize = 6;
+
+/// In how many places along a dent line the model errs independently: it is about a fifth of the way along the
+/// section, over which the errors of 24 cosines have about so many degrees of freedom.
+const INDEPENDENT: f64 = 4.0;
 
 /// Standard deviation that stands for no knowledge: of a shift, in l.
 const FLAT: f64 = 10.0;
 /// Standard deviation that stands for certainty.
 const EXACT: f64 = 1e-9;
+
+/// What points are seen along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trace {
+    Outline,
+    DentLine,
+}
+
+impl Trace {
+    /// The curve of a shape.
+    pub(crate) fn curve(self, shape: &Shape) -> &Curve {
+        match self {
+            Self::Outline => &shape.curve,
+            Self::DentLine => &shape.section,
+        }
+    }
+
+    /// The place among the nuisance parameters of its offset, by which it is drawn too far out.
+    fn offset(self) -> usize {
+        match self {
+            Self::Outline => EDGE,
+            Self::DentLine => LINE,
+        }
+    }
+}
 
 /// A point of the contour in the frame of the flow, in l about the contour's middle.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,10 +76,23 @@ pub struct Point {
     pub(crate) below: bool,
 }
 
+impl Point {
+    pub(crate) const ORIGIN: Self = Self {
+        place: [0.0; 2],
+        weight: 0.0,
+        residual: 0.0,
+        along: 0.0,
+        below: false,
+    };
+}
+
 /// The data of the residuals, without the model's part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Data<'p> {
     pub(crate) points: &'p [Point],
+    /// Points of a dent line, and their standard deviation, in l.
+    pub(crate) line: &'p [Point],
+    pub(crate) line_noise: f64,
     pub(crate) scalars: [Option<Measured>; SCALARS],
     pub(crate) deviations: [f64; MODE],
     /// Factor of the model's bound.
@@ -69,7 +114,6 @@ struct Placement {
     sin: f64,
     grown: f64,
     shift: [f64; 2],
-    edge: f64,
 }
 
 impl Placement {
@@ -79,7 +123,6 @@ impl Placement {
             sin: libm::sin(nuisances[TILT]),
             grown: 1.0 + nuisances[SCALE],
             shift: [nuisances[SHIFT], nuisances[SHIFT + 1]],
-            edge: nuisances[EDGE],
         }
     }
 
@@ -92,7 +135,7 @@ impl Placement {
         [self.grown * x - self.shift[0], self.grown * y - self.shift[1]]
     }
 
-    /// Residual of a point without the model's error.
+    /// The nearest place of a curve to a point, and the point's distance.
     fn residual(&self, curve: &Curve, point: [f64; 2]) -> Residual {
         let [x, y] = self.placed(point);
         let side = if y < 0.0 { -1.0 } else { 1.0 };
@@ -101,16 +144,20 @@ impl Placement {
             along: foot.place,
             normal: foot.normal,
             side,
-            value: foot.distance - self.edge,
+            distance: foot.distance,
         }
     }
 
-    /// Its derivatives by shift, tilt, edge and scale.
-    fn head(&self, residual: &Residual, point: [f64; 2]) -> [f64; MODE] {
+    /// Its derivatives by shift, tilt, offsets and scale.
+    fn head(&self, trace: Trace, residual: &Residual, point: [f64; 2]) -> [f64; MODE] {
         let [x, y] = self.turned(point);
         let normal = residual.placed_normal();
-        let by_tilt = [self.grown * y, -self.grown * x];
-        [-normal[0], -normal[1], dot(normal, by_tilt), -1.0, dot(normal, [x, y])]
+        let mut head = [0.0; MODE];
+        (head[SHIFT], head[SHIFT + 1]) = (-normal[0], -normal[1]);
+        head[TILT] = dot(normal, [self.grown * y, -self.grown * x]);
+        head[SCALE] = dot(normal, [x, y]);
+        head[trace.offset()] = -1.0;
+        head
     }
 }
 
@@ -124,13 +171,15 @@ impl<'p> Data<'p> {
         noise: f64,
     ) -> Self {
         let edge = priors.edge_um / half_width_um;
-        let mut deviations = [FLAT, FLAT, priors.tilt, edge, priors.scale];
+        let mut deviations = [FLAT, FLAT, priors.tilt, edge, priors.scale, edge];
         if points.is_empty() {
             // Lengths do not tell where the capsule is.
             deviations[..EDGE].fill(EXACT);
         }
         Self {
             points,
+            line: &[],
+            line_noise: 0.0,
             scalars,
             deviations: deviations.map(|deviation| deviation.max(EXACT)),
             model: priors.model,
@@ -159,13 +208,19 @@ impl<'p> Data<'p> {
     /// The residual of a place, in l, less the model's error; its place along the curve, and whether it lies below.
     pub(crate) fn point_residual(
         &self,
-        curve: &Curve,
+        trace: Trace,
+        shape: &Shape,
         place: [f64; 2],
         nuisances: &[f64; NUISANCES],
     ) -> (f64, f64, bool) {
+        let curve = trace.curve(shape);
         let residual = Placement::new(nuisances).residual(curve, place);
-        let error = self.model_error(curve, residual.along, nuisances);
-        (residual.value - error, residual.along, residual.side < 0.0)
+        let error = match trace {
+            Trace::Outline => self.model_error(curve, residual.along, nuisances),
+            Trace::DentLine => 0.0,
+        };
+        let value = residual.distance - nuisances[trace.offset()] - error;
+        (value, residual.along, residual.side < 0.0)
     }
 
     /// The outward normal at a place of the contour, in its frame.
@@ -220,6 +275,13 @@ impl<'p> Data<'p> {
         }
     }
 
+    /// The weight of a bin of a dent line, by that of its points.
+    fn line_weight(&self, weight: f64) -> f64 {
+        let own = 0.5 * self.model * self.bound;
+        let own = own * own * self.line.len() as f64 / INDEPENDENT;
+        1.0 / (self.line_noise * self.line_noise / weight + own)
+    }
+
     /// Each residual of points and lengths, with its weight, its derivatives by the nuisances, and where its
     /// derivatives by the two are to be looked up.
     pub(crate) fn rows(
@@ -234,12 +296,27 @@ impl<'p> Data<'p> {
         for point in self.points {
             let residual = placement.residual(curve, point.place);
             let row = Row {
-                head: placement.head(&residual, point.place),
+                head: placement.head(Trace::Outline, &residual, point.place),
                 cosines: cosines(curve, residual.along, (2 * self.modes).min(COSINES)),
             };
             let modes = row.cosines.iter().zip(&nuisances[MODE..]).take(self.modes);
             let error: f64 = modes.map(|(cosine, c)| cosine * c).sum();
-            each(precision * point.weight, residual.value - error, &row, residual.place());
+            let value = residual.distance - nuisances[EDGE] - error;
+            each(precision * point.weight, value, &row, residual.place(Trace::Outline));
+        }
+        for point in self.line {
+            let residual = placement.residual(&shape.section, point.place);
+            let row = Row {
+                head: placement.head(Trace::DentLine, &residual, point.place),
+                cosines: [0.0; COSINES],
+            };
+            let value = residual.distance - nuisances[LINE];
+            each(
+                self.line_weight(point.weight),
+                value,
+                &row,
+                residual.place(Trace::DentLine),
+            );
         }
         self.lengths(shape, nuisances, each);
     }
@@ -258,10 +335,14 @@ impl<'p> Data<'p> {
         let placement = Placement::new(nuisances);
         let square = |point: &Point| {
             let residual = placement.residual(curve, point.place);
-            let value = residual.value - self.model_error(curve, residual.along, nuisances);
+            let value = residual.distance - nuisances[EDGE] - self.model_error(curve, residual.along, nuisances);
             point.weight * value * value
         };
         let mut sum = self.points.iter().map(square).sum::<f64>() / (self.noise * self.noise);
+        for point in self.line {
+            let value = placement.residual(&shape.section, point.place).distance - nuisances[LINE];
+            sum += self.line_weight(point.weight) * value * value;
+        }
         self.lengths(shape, nuisances, |weight, residual, _, _| {
             sum += weight * residual * residual
         });
@@ -292,8 +373,8 @@ impl<'p> Data<'p> {
 /// Where a residual has its derivatives by Ca and a/l.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
-    /// At a place of the curve with a normal.
-    Along { place: f64, normal: [f64; 2] },
+    /// At a place of a curve with a normal.
+    Along { trace: Trace, place: f64, normal: [f64; 2] },
     /// Those of a scalar.
     Scalar(usize),
 }
@@ -301,12 +382,19 @@ pub(crate) enum Place {
 impl Place {
     pub(crate) fn value<const W: usize>(
         self,
-        curve: &Curve,
-        outward: &[[f64; W]; MAX_HALF],
+        shape: &Shape,
+        outward: [&[[f64; W]; MAX_HALF]; 2],
         scalars: &[[f64; W]; SCALARS],
     ) -> [f64; W] {
+        let [of_outline, of_section] = outward;
         match self {
-            Self::Along { place, .. } => curve.value(outward, place),
+            Self::Along { trace, place, .. } => {
+                let outward = match trace {
+                    Trace::Outline => of_outline,
+                    Trace::DentLine => of_section,
+                };
+                trace.curve(shape).value(outward, place)
+            }
             Self::Scalar(scalar) => scalars[scalar],
         }
     }
@@ -318,12 +406,13 @@ struct Residual {
     normal: [f64; 2],
     /// 1 on that side, -1 below.
     side: f64,
-    value: f64,
+    distance: f64,
 }
 
 impl Residual {
-    fn place(&self) -> Place {
+    fn place(&self, trace: Trace) -> Place {
         Place::Along {
+            trace,
             place: self.along,
             normal: self.normal,
         }

@@ -15,7 +15,7 @@ use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Verdict};
 use crate::measurement::{Contour, Direction, Flow, Lengths, MAX_FRAMES, Measurement, Sequence};
 use crate::model_error;
-use crate::noise::{BINS, Noise};
+use crate::noise::{Bins, Noise};
 use crate::profile::Interval;
 use crate::residuals::{EDGE, NUISANCES, Point, SCALE};
 use crate::shapes::{Shapes, VELOCITY};
@@ -102,8 +102,7 @@ fn identify_frames(
 ) -> Result<SequenceIdentification, IdentifyError> {
     let domain = Domain::new(shapes.model()).ok_or(EvaluateError::UnsupportedReference)?;
     let empty = Frame {
-        points: [Point::default(); 2 * BINS],
-        count: 0,
+        bins: Bins::EMPTY,
         noise: 0.0,
         residuals: Noise::default(),
         t: 0.0,
@@ -183,6 +182,7 @@ impl<'s> Sequence<'s> {
         Measurement {
             setup: self.setup,
             contour: Some(*contour),
+            dent_line_um: &[],
             lengths: Lengths::default(),
             priors: self.priors,
         }

@@ -1,6 +1,7 @@
 //! The model as a source of outlines: what a camera sees of the capsule at parameters, and how that changes with them.
 
 use crate::curve::{Curve, MAX_HALF, dot};
+use crate::residuals::Trace;
 use capsule_core::{
     EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Parameters, Query, Scene, Workspace, scratch_len,
     silhouette, silhouette_derivatives,
@@ -44,6 +45,9 @@ const RAYS: usize = 385;
 pub struct Shape {
     /// Half the outline, in the frame of the centroid.
     pub curve: Curve,
+    /// Of a silhouette, half the section through the axis: where it lies within the outline, the membrane of a dent is
+    /// seen along it. Else empty.
+    pub section: Curve,
     /// Lengths and velocity of the same.
     pub scalars: [f64; SCALARS],
     /// The bound that 95 % of the model's errors stay below.
@@ -71,13 +75,19 @@ pub(crate) struct Sensitivity {
     /// Derivatives of the curve: a curve is linear in its points, so they are the curves through theirs. What its
     /// points move along the curve does not count.
     pub(crate) curves: [Curve; 2],
+    /// Those of the section.
+    pub(crate) sections: [Curve; 2],
     pub(crate) scalars: [[f64; 2]; SCALARS],
 }
 
 impl Sensitivity {
-    /// Outward movement of the curve at a place with its normal.
-    pub(crate) fn outward(&self, place: f64, normal: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|d| dot(self.curves[d].at_place(place), normal))
+    /// Outward movement of a curve at a place with its normal.
+    pub(crate) fn outward(&self, trace: Trace, place: f64, normal: [f64; 2]) -> [f64; 2] {
+        let curves = match trace {
+            Trace::Outline => &self.curves,
+            Trace::DentLine => &self.sections,
+        };
+        [0, 1].map(|d| dot(curves[d].at_place(place), normal))
     }
 }
 
@@ -142,6 +152,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         let expected_error = f64::from(instant.expected_error()?) * confinement;
         let velocity = f64::from(instant.centroid_velocity()?);
         let mut points = [[0.0_f32; 2]; MAX_HALF];
+        let mut section = Curve::EMPTY;
         let (count, rear_pole) = match self.observable {
             Observable::Midplane => {
                 let count = instant.outline(MIDPLANE, Frame::Centroid, &mut points)?;
@@ -150,17 +161,13 @@ impl<'a, 'w> Shapes<'a, 'w> {
             }
             Observable::Silhouette => {
                 instant.positions(&ALL, self.memory.positions)?;
-                let rear = self
-                    .memory
-                    .positions
-                    .get(rear_pole(self.model))
-                    .copied()
-                    .unwrap_or_default();
+                section = of_section(self.model, self.memory.positions, 1.0);
+                let rear = section.points().last().map_or(0.0, |[x, _]| *x);
                 let mut rays = [[0.0; 2]; RAYS];
                 let mesh = self.model.mesh();
                 silhouette(&mesh, self.memory.positions, ALONG_Z, self.memory.normals, &mut rays)?;
                 evenly(&rays, &[[]; RAYS], &mut points, &mut [[]; MAX_HALF]);
-                (MAX_HALF, f64::from(rear[0]))
+                (MAX_HALF, rear)
             }
         };
         let points = points.get(..count).unwrap_or_default();
@@ -179,6 +186,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         ];
         Ok(Shape {
             curve,
+            section,
             scalars,
             bound,
             expected_error,
@@ -194,6 +202,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
     ) -> Result<Sensitivity, EvaluateError> {
         let mut sensitivity = Sensitivity {
             curves: [Curve::EMPTY; 2],
+            sections: [Curve::EMPTY; 2],
             scalars: [[0.0; 2]; SCALARS],
         };
         for (d, step) in STEPS.into_iter().enumerate() {
@@ -204,6 +213,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
             let [low, high] = [self.at(before)?, self.at(after)?];
             let share = if width > 0.0 { 1.0 / width } else { 0.0 };
             sensitivity.curves[d] = self.difference(shape, [&low, &high], share);
+            sensitivity.sections[d] = moved([&low.section, &high.section], share);
             let scalars = low.scalars.iter().zip(&high.scalars);
             for (derivative, (low, high)) in sensitivity.scalars.iter_mut().zip(scalars) {
                 derivative[d] = share * (high - low);
@@ -214,24 +224,16 @@ impl<'a, 'w> Shapes<'a, 'w> {
 
     /// The difference of two shapes on either side of a third, times a factor, as movement of its curve's points.
     pub(crate) fn difference(&self, shape: &Shape, [low, high]: [&Shape; 2], factor: f64) -> Curve {
-        let mut points = [[0.0; 2]; MAX_HALF];
-        for (i, (out, place)) in points.iter_mut().zip(shape.curve.points()).enumerate() {
-            let point = |shape: &Shape| shape.curve.points().get(i).copied().unwrap_or_default();
-            *out = match self.observable {
-                // The same point of the membrane.
-                Observable::Midplane => {
-                    let ([x0, y0], [x1, y1]) = (point(low), point(high));
-                    [factor * (x1 - x0), factor * (y1 - y0)]
-                }
-                // Other points of the membrane, which may move far along a bent curve.
-                Observable::Silhouette => {
-                    let distance = |shape: &Shape| shape.curve.nearest_from(i, *place).distance;
-                    let outward = factor * (distance(low) - distance(high));
-                    shape.curve.normal(i).map(|n| outward * n)
-                }
-            };
+        if self.observable == Observable::Midplane {
+            return moved([&low.curve, &high.curve], factor);
         }
-        Curve::through(points.into_iter().take(shape.curve.count())).unwrap_or(Curve::EMPTY)
+        // Other points of the membrane, which may move far along a bent curve.
+        let points = shape.curve.points().iter().enumerate().map(|(i, place)| {
+            let distance = |shape: &Shape| shape.curve.nearest_from(i, *place).distance;
+            let outward = factor * (distance(low) - distance(high));
+            shape.curve.normal(i).map(|n| outward * n)
+        });
+        Curve::through(points).unwrap_or(Curve::EMPTY)
     }
 
     /// Derivatives of a shape of the model at its place, those of the interpolation.
@@ -248,6 +250,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         let mut derivatives = evaluator.derivatives(&query, self.t)?;
         let mut points = [[[0.0; 2]; MAX_HALF]; 2];
         let mut rear_poles = [0.0; 2];
+        let mut sections = [Curve::EMPTY; 2];
         let mut scalars = [[0.0; 2]; SCALARS];
         for d in 0..2 {
             scalars[VELOCITY][d] = factors[d] * f64::from(derivatives.centroid_velocity(d)?);
@@ -262,12 +265,11 @@ impl<'a, 'w> Shapes<'a, 'w> {
                 }
             }
             Observable::Silhouette => {
-                let pole = rear_pole(self.model);
                 let [positions, fields @ ..] = split(self.memory.positions, self.model.mesh().nodes())?;
                 for d in 0..2 {
                     derivatives.positions(d, &ALL, fields[d])?;
-                    let rear = fields[d].get(pole).copied().unwrap_or_default();
-                    rear_poles[d] = factors[d] * f64::from(rear[0]);
+                    sections[d] = of_section(self.model, fields[d], factors[d]);
+                    rear_poles[d] = sections[d].points().last().map_or(0.0, |[x, _]| *x);
                 }
                 // The positions are gone where other shapes came after this one.
                 evaluator.prepare(&query)?;
@@ -300,7 +302,11 @@ impl<'a, 'w> Shapes<'a, 'w> {
             }
         }
         scalars[RADIUS] = [0.0, 1.0];
-        Ok(Sensitivity { curves, scalars })
+        Ok(Sensitivity {
+            curves,
+            sections,
+            scalars,
+        })
     }
 }
 
@@ -318,12 +324,27 @@ fn query([ca, confinement]: [f64; 2]) -> Result<Query<f32>, EvaluateError> {
     Ok(Query::new(parameters, Method::Direct))
 }
 
-/// The node on the axis behind.
-fn rear_pole(model: &Model<'_>) -> usize {
-    model
-        .node_set(MIDPLANE)
-        .and_then(|nodes| nodes.iter().last())
-        .unwrap_or(0)
+/// Values at the nodes of the section through the axis, front to rear, times a factor; empty without such nodes.
+fn of_section(model: &Model<'_>, values: &[[f32; 3]], factor: f64) -> Curve {
+    let Some(nodes) = model.node_set(MIDPLANE) else {
+        return Curve::EMPTY;
+    };
+    let value = |node: usize| values.get(node).copied().unwrap_or_default().map(f64::from);
+    let points = nodes.iter().map(value).map(|[x, y, _]| [factor * x, factor * y]);
+    let mut of_nodes = [[0.0; 2]; MAX_HALF];
+    let count = of_nodes
+        .iter_mut()
+        .zip(points)
+        .map(|(place, point)| *place = point)
+        .count();
+    Curve::through(of_nodes.into_iter().take(count)).unwrap_or(Curve::EMPTY)
+}
+
+/// The way of the same points of the membrane from one curve to another, times a factor.
+fn moved([low, high]: [&Curve; 2], factor: f64) -> Curve {
+    let pairs = low.points().iter().zip(high.points());
+    let points = pairs.map(|([x0, y0], [x1, y1])| [factor * (x1 - x0), factor * (y1 - y0)]);
+    Curve::through(points).unwrap_or(Curve::EMPTY)
 }
 
 /// Room for the positions, and for their derivatives by both parameters.

@@ -1,20 +1,20 @@
 //! From a measurement to an answer.
 
 use crate::domain::Domain;
-use crate::error::IdentifyError;
+use crate::error::{DentLineError, IdentifyError, MIN_LINE_POINTS};
 use crate::fit::{Accuracy, Fit, Fitter, Start};
 use crate::grid::Grid;
 use crate::identification::{Alternative, Estimate, Frame, Identification, Verdict};
-use crate::measurement::{Direction, Flow, Measurement};
+use crate::measurement::{Contour, Direction, Flow, Measurement};
 use crate::misfit::Misfit;
 use crate::model_error;
-use crate::noise::{BINS, LEAST_NOISE, Noise, bin};
+use crate::noise::{Bins, LEAST_NOISE, Noise};
 use crate::profile::{Interval, Profile};
-use crate::residuals::{Data, EDGE, Point, SCALE, SHIFT, TILT};
-use crate::shapes::{Shapes, VELOCITY};
+use crate::residuals::{Data, EDGE, Point, SCALE, SHIFT, TILT, Trace};
+use crate::shapes::{Observable, Shapes, VELOCITY};
 use crate::solver::{SIGNIFICANT, Solver};
 use crate::starts::{Candidate, START_POINTS};
-use capsule_core::EvaluateError;
+use capsule_core::{EvaluateError, MIDPLANE};
 
 /// A start whose sum is greater than the best by this is dropped before all points take part.
 pub(crate) const DROPPED_RISE: f64 = 40.0;
@@ -29,7 +29,7 @@ const QUANTILES: [f64; 2] = [1.0, 1.959_964];
 /// More of the model's error than it ever has: with a normal distribution 24 on average and 51 once in a thousand, but
 /// large errors are more frequent than that.
 pub(crate) const GREATEST_STRUCTURE: f64 = 150.0;
-/// Identifies a capsule. `points` is room for as many points as the contour has.
+/// Identifies a capsule. `points` is room for as many points as the contour and a dent line have.
 ///
 /// # Errors
 /// See [`IdentifyError`]. Data that fit badly, or capsules outside the domain, are no errors: see
@@ -69,7 +69,9 @@ fn run(
     points: &mut [Point],
     keep: impl FnOnce(&Profile<'_>, Option<f64>),
 ) -> Result<Identification, IdentifyError> {
-    check(measurement, points.len())?;
+    let line = measurement.dent_line_um.len();
+    check(measurement, points.len().saturating_sub(line))?;
+    check_dent_line(shapes, measurement)?;
     let evaluated = shapes.evaluations();
     let domain = Domain::new(shapes.model()).ok_or(EvaluateError::UnsupportedReference)?;
     let mut solver = Solver {
@@ -79,8 +81,8 @@ fn run(
     };
     let (direction, candidates) = solver.candidates(grid)?;
     let count = measurement.contour.map_or(0, |contour| contour.points_um.len());
-    let points = points.get_mut(..count).unwrap_or_default();
-    let mut solved = solver.solve(direction, candidates, points, keep)?;
+    let (points, line) = points.get_mut(..count + line).unwrap_or_default().split_at_mut(count);
+    let mut solved = solver.solve(direction, candidates, [points, line], keep)?;
     solved.evaluations = solver.fitter.shapes.evaluations() - evaluated;
     Ok(solved)
 }
@@ -140,33 +142,61 @@ pub(crate) fn check(measurement: &Measurement<'_>, capacity: usize) -> Result<()
     }
 }
 
+/// Checks a dent line against the contour, which was checked.
+fn check_dent_line(shapes: &Shapes<'_, '_>, measurement: &Measurement<'_>) -> Result<(), DentLineError> {
+    let line = measurement.dent_line_um;
+    if line.is_empty() {
+        return Ok(());
+    }
+    let seen = shapes.observable() == Observable::Silhouette && shapes.model().node_set(MIDPLANE).is_some();
+    let Some(contour) = measurement.contour.filter(|_| seen) else {
+        return Err(DentLineError::NoSilhouette);
+    };
+    if line.len() < MIN_LINE_POINTS {
+        return Err(DentLineError::TooFewPoints { found: line.len() });
+    }
+    let within = |d: usize, x: f64| {
+        let values = contour.points_um.iter().map(|point| point[d]);
+        let least = values.clone().fold(f64::INFINITY, f64::min);
+        (least..=values.fold(f64::NEG_INFINITY, f64::max)).contains(&x)
+    };
+    match line.iter().position(|point| !(0..2).all(|d| within(d, point[d]))) {
+        Some(index) => Err(DentLineError::Outside { index }),
+        None => Ok(()),
+    }
+}
+
 impl Solver<'_, '_, '_, '_> {
     /// Fits all points from the candidates and states what was found.
     fn solve(
         &mut self,
         direction: Direction,
         candidates: [Option<Candidate>; 2],
-        points: &mut [Point],
+        [points, line]: [&mut [Point]; 2],
         keep: impl FnOnce(&Profile<'_>, Option<f64>),
     ) -> Result<Identification, IdentifyError> {
         let half_width = self.measurement.setup.half_width_um;
         if let Some(contour) = &self.measurement.contour {
             let framed = contour.framed(direction, half_width);
             contour.fill(direction, half_width, framed.middle, points);
+            let dent = Contour {
+                points_um: self.measurement.dent_line_um,
+                ..*contour
+            };
+            dent.fill(direction, half_width, framed.middle, line);
         }
         let least = candidates.iter().flatten().map(|c| c.sum).fold(f64::INFINITY, f64::min);
         // Where even the best start leaves much, the noise is greater than was assumed.
         let hopeless = least + DROPPED_RISE * (least / START_POINTS as f64).max(1.0);
         let candidates = candidates.map(|candidate| candidate.filter(|c| c.sum <= hopeless));
-        let mut bins = [Point::default(); 2 * BINS];
         // Noise and weights of the points from the residuals of the best fit so far, until they stay. A fit works with
         // the points in bins.
-        let mut noise = Noise::default();
+        let (mut noise, mut line_noise) = (Noise::default(), Noise::default());
         let mut scale = 1.0;
         let mut fits: [Option<Fit>; 2] = [None, None];
         for round in 0..ROUNDS {
             let best = best(&fits);
-            let before = [noise.effective, scale];
+            let before = [noise.effective, line_noise.effective, scale];
             if let Some(fit) = best.filter(|_| !points.is_empty() && self.measurement.priors.model > 0.0) {
                 scale = model_error::scale(fit, scale);
             }
@@ -175,19 +205,24 @@ impl Solver<'_, '_, '_, '_> {
                 return Err(IdentifyError::NoFit);
             };
             let shape = self.fitter.shapes.at(theta)?;
-            noise = self.estimate_noise(&shape.curve, &nuisances, best, points);
-            let changes = [noise.effective, scale].into_iter().zip(before);
+            noise = self.estimate_noise(Trace::Outline, &shape, &nuisances, best, points);
+            line_noise = self.estimate_noise(Trace::DentLine, &shape, &nuisances, None, line);
+            let changes = [noise.effective, line_noise.effective, scale].into_iter().zip(before);
             if round > 1
                 && changes
                     .into_iter()
-                    .all(|(now, before)| (now - before).abs() < NOISE_TOLERANCE * before)
+                    .all(|(now, before)| (now - before).abs() <= NOISE_TOLERANCE * before)
             {
                 break;
             }
-            let count = bin(&self.data(&[], 1.0), &shape.curve, &nuisances, points, &mut bins);
+            let plain = self.data(&[], 1.0);
+            let bins = Bins::gather(&plain, (Trace::Outline, &shape), &nuisances, points);
+            let line_bins = Bins::gather(&plain, (Trace::DentLine, &shape), &nuisances, line);
             let data = Data {
                 scale,
-                ..self.data(bins.get(..count).unwrap_or_default(), noise.effective.max(LEAST_NOISE))
+                line: line_bins.all(),
+                line_noise: line_noise.effective.max(LEAST_NOISE),
+                ..self.data(bins.all(), noise.effective.max(LEAST_NOISE))
             };
             for (fit, candidate) in fits.iter_mut().zip(&candidates) {
                 if let Some(candidate) = candidate {
@@ -212,8 +247,8 @@ impl Solver<'_, '_, '_, '_> {
             direction,
             fit,
             alternative.filter(|other| other.rise <= CHI_SQUARED_95),
-            points,
-            noise,
+            [points, line],
+            [noise, line_noise],
             keep,
         )
     }
@@ -224,8 +259,8 @@ impl Solver<'_, '_, '_, '_> {
         direction: Direction,
         fit: Fit,
         alternative: Option<Alternative>,
-        points: &[Point],
-        noise: Noise,
+        [points, line]: [&[Point]; 2],
+        [noise, line_noise]: [Noise; 2],
         keep: impl FnOnce(&Profile<'_>, Option<f64>),
     ) -> Result<Identification, IdentifyError> {
         let setup = &self.measurement.setup;
@@ -236,19 +271,15 @@ impl Solver<'_, '_, '_, '_> {
             Flow::Rate(rate) => rate / (4e-12 * half_width * half_width),
             Flow::CapsuleVelocity(capsule) => capsule / velocity,
         };
-        let mut bins = [Point::default(); 2 * BINS];
-        let count = bin(
-            &self.data(&[], 1.0),
-            &fit.shape.curve,
-            &fit.nuisances,
-            points,
-            &mut bins,
-        );
-        let bins = bins.get(..count).unwrap_or_default();
+        let plain = self.data(&[], 1.0);
+        let bins = Bins::gather(&plain, (Trace::Outline, &fit.shape), &fit.nuisances, points);
+        let line_bins = Bins::gather(&plain, (Trace::DentLine, &fit.shape), &fit.nuisances, line);
         let data = Data {
             bound: fit.bound,
             scale: fit.scale,
-            ..self.data(bins, noise.effective.max(LEAST_NOISE))
+            line: line_bins.all(),
+            line_noise: line_noise.effective.max(LEAST_NOISE),
+            ..self.data(bins.all(), noise.effective.max(LEAST_NOISE))
         };
         // Student's quantiles for a noise that is an estimate itself.
         let freedom = noise.freedom.max(3.0);
@@ -326,6 +357,7 @@ impl Solver<'_, '_, '_, '_> {
             chi_squared: noise.chi_squared,
             degrees_of_freedom: noise.freedom,
             residual_um: noise.residual * half_width,
+            dent_line_residual_um: (!line.is_empty()).then_some(line_noise.residual * half_width),
             noise_um: noise.point * half_width,
             correlated_points: noise.correlated,
             edge_um: fit.nuisances[EDGE] * half_width,
@@ -350,7 +382,7 @@ impl Solver<'_, '_, '_, '_> {
             evaluations: 0,
         };
         Ok(Identification {
-            verdict: self.verdict(&found, &noise, &fit, intervals),
+            verdict: self.verdict(&found, [noise, line_noise], &fit, intervals),
             ..found
         })
     }
@@ -358,7 +390,7 @@ impl Solver<'_, '_, '_, '_> {
     fn verdict(
         &self,
         found: &Identification,
-        noise: &Noise,
+        noises: [Noise; 2],
         fit: &Fit,
         intervals: [Option<[Interval; 2]>; 3],
     ) -> Verdict {
@@ -369,7 +401,7 @@ impl Solver<'_, '_, '_, '_> {
         let open = |intervals: Option<[Interval; 2]>| intervals.is_none_or(|[_, wide]| wide.open != [false; 2]);
         let [ca, confinement, _] = intervals;
         let edge = priors.edge_um / self.measurement.setup.half_width_um;
-        let structured = noise.is_structured(edge, fit.bound);
+        let structured = noises.iter().any(|noise| noise.is_structured(edge, fit.bound));
         if structured || (priors.model > 0.0 && (found.structure > GREATEST_STRUCTURE || noisy)) {
             Verdict::NotSuchACapsule
         } else if fit.fall_outside > CHI_SQUARED_95 {

@@ -90,6 +90,7 @@ fn measurement(points: &[[f64; 2]]) -> Measurement<'_> {
             direction: Direction::Right,
             noise_um: None,
         }),
+        dent_line_um: &[],
         lengths: Lengths::default(),
         priors: Priors::of_pixel(0.25),
     }

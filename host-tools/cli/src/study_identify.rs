@@ -155,6 +155,7 @@ fn other_laws(options: &Options, model: &Model<'_>, mut outputs: Outputs) -> Res
         .map(|series| {
             vec![
                 series.observable.to_owned(),
+                series.name.to_owned(),
                 series.law.clone(),
                 format!("{} to {}", series.ca[0], series.ca[1]),
                 series.trials.to_string(),
@@ -170,6 +171,7 @@ fn other_laws(options: &Options, model: &Model<'_>, mut outputs: Outputs) -> Res
         .collect();
     let headings = [
         "observable",
+        "series",
         "law",
         "Ca",
         "trials",
@@ -185,8 +187,8 @@ fn other_laws(options: &Options, model: &Model<'_>, mut outputs: Outputs) -> Res
     for series in &all {
         let [low, high] = series.ca;
         println!(
-            "{}, {}, Ca {low} to {high}: {:?}",
-            series.observable, series.law, series.verdicts
+            "{}, {}, {}, Ca {low} to {high}: {:?}",
+            series.observable, series.name, series.law, series.verdicts
         );
     }
     Ok(())

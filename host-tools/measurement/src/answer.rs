@@ -56,6 +56,9 @@ pub struct Answer {
     pub degrees_of_freedom: f64,
     /// Root mean square of the residuals, in um.
     pub residual_um: f64,
+    /// That of the points along a dent line, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dent_line_residual_um: Option<f64>,
     /// Noise of a point, in um.
     pub noise_um: f64,
     /// How many neighbouring residuals count as one.
@@ -151,6 +154,7 @@ impl Answer {
             chi_squared: found.chi_squared,
             degrees_of_freedom: found.degrees_of_freedom,
             residual_um: found.residual_um,
+            dent_line_residual_um: found.dent_line_residual_um,
             noise_um: found.noise_um,
             correlated_points: found.correlated_points,
             structure: found.structure,

@@ -113,11 +113,12 @@ impl Bench {
                 direction: outline.direction,
                 noise_um: request.noise_um,
             }),
+            dent_line_um: outline.map_or(&[], |outline| &outline.dent_line_um),
             lengths: request.lengths,
             priors: request.priors(pixel_um),
         };
         if let Some(contour) = &measurement.contour {
-            let found = contour.points_um.len();
+            let found = contour.points_um.len() + measurement.dent_line_um.len();
             if found > MOST_POINTS {
                 let most = MOST_POINTS;
                 return Err(MeasurementError::TooManyPoints { found, most });

@@ -3,7 +3,8 @@
 use crate::error::MeasurementError;
 use crate::said::Said;
 use crate::seen::Seen;
-use capsule_contour::{Picture, text};
+use capsule_contour::Picture;
+use capsule_contour::text::{self, Unit};
 use capsule_identify::Direction;
 use std::path::Path;
 
@@ -12,6 +13,8 @@ use std::path::Path;
 pub struct Outline {
     /// The points, in um.
     pub points_um: Vec<[f64; 2]>,
+    /// Points along the line of a dent behind, in um; empty if there is none.
+    pub dent_line_um: Vec<[f64; 2]>,
     /// Size of a pixel, if it is known.
     pub pixel_um: Option<f64>,
     /// Direction of the flow in the points' coordinates.
@@ -26,6 +29,7 @@ impl From<Seen> for Outline {
     fn from(seen: Seen) -> Self {
         Self {
             points_um: seen.points_um(),
+            dent_line_um: Vec::new(),
             pixel_um: Some(seen.summary.pixel_um),
             direction: seen.direction,
             note: seen.note.clone(),
@@ -54,10 +58,20 @@ impl Outline {
         let contour = text::read(bytes)?;
         Ok(Self {
             points_um: contour.in_um(said.unit, said.pixel_um)?,
+            dent_line_um: Vec::new(),
             pixel_um: said.pixel_um,
             direction: said.direction,
             note: contour.format,
             seen: None,
         })
+    }
+
+    /// Reads the points along the line of a dent behind from a text, in the coordinates of this outline.
+    ///
+    /// # Errors
+    /// A text without two columns of numbers, or of an unknown unit.
+    pub fn read_dent_line(&mut self, bytes: &[u8], unit: Option<Unit>) -> Result<(), MeasurementError> {
+        self.dent_line_um = text::read(bytes)?.in_um(unit, self.pixel_um)?;
+        Ok(())
     }
 }

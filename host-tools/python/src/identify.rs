@@ -57,6 +57,7 @@ impl Identifier {
         &self,
         py: Python<'py>,
         contour: Option<Contour<'py>>,
+        dent_line: Option<Contour<'py>>,
         half_width_um: f64,
         flow: (&str, f64),
         viscosity_pa_s: f64,
@@ -111,13 +112,28 @@ impl Identifier {
             exposure_ms: None,
         };
         let mut warnings = Vec::new();
-        let outline = match contour {
+        let mut outline = match contour {
             None => None,
             Some(Contour::File(name, bytes)) => {
                 Some(Outline::read(&name, &bytes, &said, &mut warnings).map_err(refused)?)
             }
-            Some(Contour::Points(points)) => Some(points_of(&points, &said)?),
+            Some(Contour::Points(points)) => Some(Outline {
+                points_um: in_um(&points, &said)?,
+                dent_line_um: Vec::new(),
+                pixel_um: said.pixel_um,
+                direction: said.direction,
+                note: format!("{} points of an array", points.as_array().nrows()),
+                seen: None,
+            }),
         };
+        match (&mut outline, dent_line) {
+            (_, None) => {}
+            (None, Some(_)) => return Err(refused("a dent line goes with a contour")),
+            (Some(outline), Some(Contour::File(_, bytes))) => {
+                outline.read_dent_line(&bytes, said.unit).map_err(refused)?;
+            }
+            (Some(outline), Some(Contour::Points(points))) => outline.dent_line_um = in_um(&points, &said)?,
+        }
         let shared = &self.model.get().shared;
         let solved = py.detach(|| {
             Bench::new(shared.core()).identify(shared.core(), &self.grid, &request, outline.as_ref(), warnings)
@@ -136,31 +152,22 @@ impl Identifier {
     }
 }
 
-/// An outline of points in um, or in pixels.
-fn points_of(points: &PyReadonlyArray2<'_, f64>, said: &Said) -> PyResult<Outline> {
+/// Points that are given in um or in pixels, in um.
+fn in_um(points: &PyReadonlyArray2<'_, f64>, said: &Said) -> PyResult<Vec<[f64; 2]>> {
     let points = points.as_array();
     let scale = match (said.unit, said.pixel_um) {
         (Some(Unit::Um), _) | (None, None) => 1.0,
         (_, Some(pixel_um)) => pixel_um,
-        (Some(Unit::Px), None) => return Err(refused("a contour in pixels needs pixel_um, the size of a pixel in um")),
+        (Some(Unit::Px), None) => return Err(refused("points in pixels need pixel_um, the size of a pixel in um")),
     };
     if points.ncols() != 2 {
         let (rows, columns) = points.dim();
         return Err(refused(format!(
-            "the contour has the shape ({rows}, {columns}), it must be (points, 2)"
+            "the points have the shape ({rows}, {columns}), they must be (points, 2)"
         )));
     }
-    Ok(Outline {
-        points_um: points
-            .rows()
-            .into_iter()
-            .map(|row| [scale * row[0], scale * row[1]])
-            .collect(),
-        pixel_um: said.pixel_um,
-        direction: said.direction,
-        note: format!("{} points of an array", points.nrows()),
-        seen: None,
-    })
+    let rows = points.rows().into_iter();
+    Ok(rows.map(|row| [scale * row[0], scale * row[1]]).collect())
 }
 
 fn direction_of(name: &str) -> PyResult<Direction> {

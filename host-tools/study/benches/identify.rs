@@ -25,6 +25,7 @@ fn measured(contour: Option<Contour<'_>>, lengths: Lengths) -> Measurement<'_> {
     Measurement {
         setup: SETUP,
         contour,
+        dent_line_um: &[],
         lengths,
         priors: Priors::of_pixel(0.25),
     }

@@ -89,6 +89,7 @@ impl Storage {
         let measurement = Measurement {
             setup,
             contour,
+            dent_line_um: &[],
             lengths,
             priors: Priors::of_pixel(PIXEL_UM),
         };

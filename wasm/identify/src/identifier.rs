@@ -270,6 +270,7 @@ mod tests {
                 direction: Direction::Found,
                 noise_um: None,
             }),
+            dent_line_um: &[],
             lengths: Lengths::default(),
             priors: Priors::of_pixel(HALF_WIDTH_UM / 100.0),
         };

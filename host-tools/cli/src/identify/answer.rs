@@ -53,6 +53,9 @@ pub fn show(answer: &Answer) -> Result<()> {
             answer.degrees_of_freedom
         );
     }
+    if let Some(residual) = answer.dent_line_residual_um {
+        println!("residuals of the dent line {residual:.3} um");
+    }
     if let Some(other) = &answer.alternative {
         println!(
             "another solution: Ca {:.5}, a/l {:.4}, chi-squared greater by {:.2}",

@@ -50,6 +50,9 @@ struct One {
     /// The frames show the capsule on its way to the steady state, at instants that are not known
     #[arg(long, requires = "frames")]
     transient: bool,
+    /// Points along the line at which the dent behind is seen through a silhouette, in the coordinates of the contour
+    #[arg(long, value_name = "FILE", requires = "file", conflicts_with_all = ["frames", "rear_depth_um"])]
+    dent_line: Option<PathBuf>,
     #[command(flatten)]
     given: Given,
     #[command(flatten)]
@@ -76,7 +79,8 @@ Examples:
   capsule-rom identify 1.csv --frames 2.csv 3.csv --half-width-um 25 --velocity-mm-s 5 --viscosity-pa-s 1 -o midplane
 
 Contours in pixels need --pixel-um. In pictures the walls give the scale. Lengths take the place of the file: \
---axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
+--axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3. Points along the line of a dent behind go \
+beside the contour of a silhouette: --dent-line line.csv.
 
 The capsule flows steadily along the axis of a square channel. Its membrane is neo-Hookean, the liquids inside and \
 outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface \
@@ -98,6 +102,7 @@ fn one(options: &One) -> Result<()> {
     }
     let mut outputs = Outputs::default()
         .reads("CONTOUR", options.file.as_deref())
+        .reads("--dent-line", options.dent_line.as_deref())
         .reads("--background", given.background.as_deref())
         .reads("--model", options.model.path())
         .figure("--plot", options.plot.as_deref())
@@ -110,7 +115,10 @@ fn one(options: &One) -> Result<()> {
     let (setup, _) = given.setup(&mut Vec::new())?;
     let outline = options.file.as_deref();
     let outline = outline.map(|file| outline::read(file, given, setup.half_width_um, &mut warnings));
-    let outline = outline.transpose()?;
+    let mut outline = outline.transpose()?;
+    if let (Some(file), Some(outline)) = (&options.dent_line, &mut outline) {
+        outline::add_dent_line(outline, file, given)?;
+    }
     let seen = outline.as_ref().and_then(|outline| outline.seen.as_ref());
     // Before the fit: a contour that the fit refuses is what one wants to see.
     if options.contour_out.is_some() || options.overlay.is_some() {

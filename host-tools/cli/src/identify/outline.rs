@@ -18,6 +18,13 @@ pub fn read(path: &Path, given: &Given, half_width_um: f64, warnings: &mut Vec<S
     from(path, &bytes, given, half_width_um, warnings).with_context(context)
 }
 
+/// Adds the points along a dent line, a text.
+pub fn add_dent_line(outline: &mut Outline, path: &Path, given: &Given) -> Result<()> {
+    let bytes = std::fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
+    let read = outline.read_dent_line(&bytes, given.unit()).map_err(with_option);
+    read.with_context(|| path.display().to_string())
+}
+
 /// The outline of a mask, whose picture shows one event.
 fn of_mask(picture: Picture, given: &Given, half_width_um: f64, warnings: &mut Vec<String>) -> Result<Outline> {
     ensure!(

@@ -49,6 +49,7 @@ class Identifier:
     def identify(
         self,
         contour: Union[Doubles, tuple[str, bytes], None],
+        dent_line: Union[Doubles, tuple[str, bytes], None],
         half_width_um: float,
         flow: tuple[str, float],
         viscosity_pa_s: float,

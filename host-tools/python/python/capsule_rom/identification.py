@@ -55,9 +55,22 @@ class Identification:
         return self.verdict == "identified"
 
 
+def _points(given: Union[ArrayLike, str, os.PathLike[str], None]) -> Any:
+    if given is None:
+        return None
+    if isinstance(given, (str, os.PathLike)):
+        with open(given, "rb") as file:
+            return os.fspath(given), file.read()
+    points = np.asarray(given, dtype=np.float64)
+    if points.ndim != 2:
+        raise _core.MeasurementError(f"the points have the shape {points.shape}, they must be (points, 2)")
+    return points
+
+
 def identify(
     identifier: _core.Identifier,
     contour: Union[ArrayLike, str, os.PathLike[str], None],
+    dent_line: Union[ArrayLike, str, os.PathLike[str], None],
     *,
     half_width_um: float,
     viscosity_pa_s: float,
@@ -85,18 +98,10 @@ def identify(
     given = [(kind, number) for kind, number in flows.items() if number is not None]
     if len(given) != 1:
         raise TypeError("give one of velocity_mm_s, flow_rate_ul_min and capsule_velocity_mm_s")
-    if isinstance(contour, (str, os.PathLike)):
-        with open(contour, "rb") as file:
-            measured: Any = (os.fspath(contour), file.read())
-    elif contour is None:
-        measured = None
-    else:
-        measured = np.asarray(contour, dtype=np.float64)
-        if measured.ndim != 2:
-            raise _core.MeasurementError(f"the contour has the shape {measured.shape}, it must be (points, 2)")
     half = None if width_um is None else (0.5 * width_um[0], 0.5 * width_um[1])
     text, fit = identifier.identify(
-        measured,
+        _points(contour),
+        _points(dent_line),
         half_width_um,
         given[0],
         viscosity_pa_s,

@@ -145,6 +145,7 @@ class Model:
         contour: Union[ArrayLike, str, os.PathLike[str], None] = None,
         *,
         observable: Literal["midplane", "silhouette"],
+        dent_line: Union[ArrayLike, str, os.PathLike[str], None] = None,
         half_width_um: float,
         viscosity_pa_s: float,
         velocity_mm_s: Optional[float] = None,
@@ -166,10 +167,12 @@ class Model:
         """Radius, Ca and surface shear modulus of a steady capsule, with intervals, as `capsule-rom identify`.
 
         `contour` is an array `(points, 2)` of points in order around the capsule, in um, or in pixels of the size
-        `pixel_um`; or the path of a text or a picture. Without it at least two lengths are needed, each a value and its
-        standard deviation. `half_width_um` is half the channel's side; one of the three velocities is needed;
-        `velocity_ratio` is the capsule's over the liquid's. `edge_px` and `scale_error` are the standard deviations of
-        the edge (0.25 pixels) and the relative scale (0.005). `capsule` chooses one of several in a picture.
+        `pixel_um`; or the path of a text or a picture. `dent_line` holds points along the line at which the dent behind
+        is seen through a silhouette, in the same coordinates; or is the path of a text. Without a contour at least two
+        lengths are needed, each a value and its standard deviation. `half_width_um` is half the channel's side; one of
+        the three velocities is needed; `velocity_ratio` is the capsule's over the liquid's. `edge_px` and `scale_error`
+        are the standard deviations of the edge (0.25 pixels) and the relative scale (0.005). `capsule` chooses one of
+        several in a picture.
 
         Raises `MeasurementError` if the measurement cannot be one of a capsule in the channel.
         """
@@ -178,6 +181,7 @@ class Model:
         return identification.identify(
             self._identifiers[observable],
             contour,
+            dent_line,
             half_width_um=half_width_um,
             viscosity_pa_s=viscosity_pa_s,
             velocity_mm_s=velocity_mm_s,

@@ -23,6 +23,8 @@ const RANGES: [[f64; 2]; 3] = [[0.0, 0.03], [0.03, 0.075], [0.075, 1.0]];
 pub struct LawSeries {
     /// "midplane" or "silhouette".
     pub observable: &'static str,
+    /// The series of trials.
+    pub name: &'static str,
     /// The law of the membrane.
     pub law: String,
     /// The range of the true Ca.
@@ -62,35 +64,38 @@ pub fn identify_laws(
     out: &Path,
     progress: capsule_offline::Progress,
 ) -> Result<Vec<LawSeries>, StudyError> {
-    let plan = Plan::new("0.1 px", From::FullOrder, 0.1, true);
+    let contour = Plan::new("0.1 px", From::FullOrder, 0.1, true);
+    let with_line = Plan::new("0.1 px, with dent line", From::DentLine, 0.1, true);
     let (mut all, mut rows) = (Vec::new(), Vec::new());
-    let steps = 2 * databases.len();
+    let (mut done, steps) = (0, 2 * databases.len());
     for observable in [Observable::Midplane, Observable::Silhouette] {
         let mut bench = Bench::new(model);
         bench.make_room(MOST_POINTS);
         let (mut shapes, points) = bench.shapes(model, observable);
         let grid = Grid::new(&mut shapes)?;
         for database in databases {
-            progress("identify", all.len() / RANGES.len(), steps);
+            progress("identify", done, steps);
+            done += 1;
             let law = database.description().membrane_law();
             let truths = Truth::all(model, database, observable)?;
             if truths.is_empty() {
                 return Err(StudyError::NothingToCompare);
             }
-            for range in RANGES {
-                let within = |truth: &&Truth| range[0] < truth.parameters[0] && truth.parameters[0] <= range[1];
-                let some: Vec<Truth> = truths.iter().filter(within).cloned().collect();
-                let (trials, refused) = plan.run(model, &some, repeats, (&mut shapes, &grid, points))?;
-                rows.extend(
-                    trials
+            for plan in [&contour, &with_line].into_iter().filter(|plan| plan.shows(observable)) {
+                for range in RANGES {
+                    let within = |truth: &&Truth| range[0] < truth.parameters[0] && truth.parameters[0] <= range[1];
+                    let some: Vec<Truth> = truths.iter().filter(within).cloned().collect();
+                    let (trials, refused) = plan.run(model, &some, repeats, (&mut shapes, &grid, points))?;
+                    let texts = trials
                         .iter()
-                        .map(|trial| trial.row(shown(observable), law, plan.pixels)),
-                );
-                all.push(LawSeries {
-                    configurations: some.len(),
-                    refused,
-                    ..LawSeries::new(shown(observable), law, range, &trials)
-                });
+                        .map(|trial| trial.row(shown(observable), law, plan.pixels));
+                    rows.extend(texts);
+                    all.push(LawSeries {
+                        configurations: some.len(),
+                        refused,
+                        ..LawSeries::new((shown(observable), plan.name), law, range, &trials)
+                    });
+                }
             }
         }
     }
@@ -100,7 +105,7 @@ pub fn identify_laws(
 }
 
 impl LawSeries {
-    fn new(observable: &'static str, law: &str, ca: [f64; 2], trials: &[Trial]) -> Self {
+    fn new((observable, name): (&'static str, &'static str), law: &str, ca: [f64; 2], trials: &[Trial]) -> Self {
         let mut verdicts = BTreeMap::new();
         for trial in trials {
             *verdicts.entry(trial.found.verdict.name()).or_insert(0) += 1;
@@ -116,6 +121,7 @@ impl LawSeries {
         };
         Self {
             observable,
+            name,
             law: law.to_owned(),
             ca,
             configurations: 0,

@@ -17,8 +17,8 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::random::Random;
 pub use laws::{LawSeries, identify_laws};
-use trials::{Known, Trial, by_contour, by_lengths};
-use truth::{Drawing, HALF_WIDTH_UM, Truth, contour, normal};
+use trials::{Known, Trial, by_contour, by_frames, by_lengths};
+use truth::{Drawing, HALF_WIDTH_UM, Truth, contour, contour_and_line, normal};
 
 /// Pixels per l, unless a series says otherwise.
 const PIXELS: f64 = 100.0;
@@ -127,7 +127,7 @@ pub fn identify(
         bench.make_room(MOST_POINTS);
         let (mut shapes, points) = bench.shapes(model, observable);
         let grid = Grid::new(&mut shapes)?;
-        for plan in &plans {
+        for plan in plans.iter().filter(|plan| plan.shows(observable)) {
             progress("identify", all.len(), steps);
             let (trials, refused) = plan.run(model, &truths, repeats, (&mut shapes, &grid, points))?;
             let observable = shown(observable);
@@ -169,6 +169,12 @@ enum From {
     Lengths,
     /// A picture of the full-order model's outline, in which it is found.
     Picture,
+    /// The full-order model's silhouette and the line of its dent, if it has one.
+    DentLine,
+    /// Three frames of the steady capsule.
+    Steady,
+    /// Three frames of its transient, whose instants are not told.
+    Transient,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -194,6 +200,10 @@ fn plans() -> Vec<Plan> {
         plan("0.1 px", From::FullOrder, 0.1, true),
         plan("1 px", From::FullOrder, 1.0, true),
         plan("lengths to 1 px", From::Lengths, 1.0, false),
+        plan("0.1 px, with dent line", From::DentLine, 0.1, true),
+        plan("1 px, with dent line", From::DentLine, 1.0, true),
+        plan("1 px, 3 steady frames", From::Steady, 1.0, true),
+        plan("1 px, 3 frames of a transient", From::Transient, 1.0, true),
     ];
     for pixels in COARSER {
         for (name, from, noise) in [
@@ -231,6 +241,11 @@ impl Plan {
         }
     }
 
+    /// Whether an observable has the series: the dent is a part of a section's outline.
+    fn shows(&self, observable: Observable) -> bool {
+        self.from != From::DentLine || observable == Observable::Silhouette
+    }
+
     /// The trials of all truths, and how many were refused.
     fn run(
         &self,
@@ -248,13 +263,9 @@ impl Plan {
                         let deviation_um = self.noise * self.drawing(0.0).pixel_um();
                         by_lengths(shapes, grid, truth, deviation_um, &mut random)
                     }
-                    From::FullOrder | From::Own | From::Picture => {
-                        let mut drawing = self.drawing(self.noise);
-                        if self.unknown_frame {
-                            drawing.edge = 0.25 * normal(&mut random);
-                            drawing.scale = 0.005 * normal(&mut random);
-                            drawing.tilt = 0.02 * normal(&mut random);
-                        }
+                    From::Steady | From::Transient => self.by_frames(shapes, grid, points, truth, &mut random),
+                    From::FullOrder | From::Own | From::Picture | From::DentLine => {
+                        let drawing = self.drawn(&mut random);
                         let (parameters, outline) = if self.from == From::Own {
                             let [ca, confinement] = anywhere(model, &mut random);
                             let shape = shapes.at([ca.ln(), confinement])?;
@@ -265,10 +276,13 @@ impl Plan {
                         };
                         let known = self.known(&drawing);
                         let drawn = match self.from {
-                            From::Picture => picture(&outline, &drawing, &mut random),
-                            _ => Ok(contour(&outline, &drawing, &mut random)),
+                            From::Picture => picture(&outline, &drawing, &mut random).map(|found| [found, Vec::new()]),
+                            From::DentLine => Ok(contour_and_line([&outline, &truth.dent_line], &drawing, &mut random)),
+                            _ => Ok([contour(&outline, &drawing, &mut random), Vec::new()]),
                         };
-                        drawn.and_then(|drawn| by_contour(shapes, grid, points, parameters, &drawn, &known))
+                        drawn.and_then(|[drawn, line]| {
+                            by_contour(shapes, grid, points, parameters, [&drawn, &line], &known)
+                        })
                     }
                 };
                 match trial {
@@ -279,6 +293,46 @@ impl Plan {
             }
         }
         Ok((trials, refused))
+    }
+
+    /// Frames by one camera: edge and scale are the same in all, the tilt is not.
+    fn by_frames(
+        &self,
+        shapes: &mut Shapes<'_, '_>,
+        grid: &Grid,
+        points: &mut [Point],
+        truth: &Truth,
+        random: &mut Random,
+    ) -> Result<Trial, StudyError> {
+        let steady = self.from == From::Steady;
+        let camera = self.drawn(random);
+        let drawn = truth.transient.each_ref().map(|moving| {
+            let tilt = self.drawn(random).tilt;
+            let outline = if steady { &truth.outline } else { moving };
+            contour(outline, &Drawing { tilt, ..camera }, random)
+        });
+        by_frames(
+            shapes,
+            grid,
+            points,
+            truth.parameters,
+            (&drawn, steady),
+            &self.known(&camera),
+        )
+    }
+
+    /// A drawing with a frame at random, where that is not known.
+    fn drawn(&self, random: &mut Random) -> Drawing {
+        let exact = self.drawing(self.noise);
+        if !self.unknown_frame {
+            return exact;
+        }
+        Drawing {
+            edge: 0.25 * normal(random),
+            scale: 0.005 * normal(random),
+            tilt: 0.02 * normal(random),
+            ..exact
+        }
     }
 
     fn drawing(&self, noise: f64) -> Drawing {

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use capsule_identify::{
-    Contour, Direction, Flow, Grid, Identification, Lengths, Measured, Measurement, Point, Priors, Setup, Shapes,
-    identify,
+    Contour, Direction, Estimate, Flow, Grid, Identification, Lengths, Measured, Measurement, Point, Priors, Sequence,
+    SequenceIdentification, Setup, Shapes, Verdict, identify, identify_sequence,
 };
 
 use super::truth::{HALF_WIDTH_UM, Truth, normal};
@@ -21,11 +21,60 @@ pub(crate) struct Known {
     pub(crate) half_width_um: f64,
 }
 
+impl Known {
+    fn contour<'a>(&self, points_um: &'a [[f64; 2]]) -> Contour<'a> {
+        Contour {
+            points_um,
+            direction: Direction::Right,
+            noise_um: self.noise_um,
+        }
+    }
+}
+
+/// The answer of an identification, from one contour or from several.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Found {
+    pub(crate) capillary_number: Estimate,
+    pub(crate) confinement: Estimate,
+    /// Of ln Ca and a/l.
+    pub(crate) deviations: [f64; 2],
+    /// That of a single contour.
+    structure: Option<f64>,
+    pub(crate) verdict: Verdict,
+    pub(crate) evaluations: u32,
+}
+
+impl From<Identification> for Found {
+    fn from(found: Identification) -> Self {
+        Self {
+            capillary_number: found.capillary_number,
+            confinement: found.confinement,
+            deviations: found.deviations,
+            structure: Some(found.structure),
+            verdict: found.verdict,
+            evaluations: found.evaluations,
+        }
+    }
+}
+
+impl From<SequenceIdentification> for Found {
+    fn from(found: SequenceIdentification) -> Self {
+        Self {
+            capillary_number: found.capillary_number,
+            confinement: found.confinement,
+            deviations: found.deviations,
+            structure: None,
+            verdict: found.verdict,
+            evaluations: found.evaluations,
+        }
+    }
+}
+
 /// An identification and its truth.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Trial {
     pub(crate) truth: [f64; 2],
-    pub(crate) found: Identification,
+    pub(crate) found: Found,
     pub(crate) seconds: f64,
 }
 
@@ -52,11 +101,14 @@ impl Trial {
             ca.interval_95.high,
             confinement.interval_95.low,
             confinement.interval_95.high,
-            found.structure,
         ];
+        let number = |number: f64| format!("{number:.6}");
         let texts = [observable.to_owned(), series.to_owned(), pixels.to_string()].into_iter();
-        let numbers = numbers.iter().map(|number| format!("{number:.6}"));
-        texts.chain(numbers).chain([found.verdict.name().to_owned()]).collect()
+        let last = [
+            found.structure.map_or(String::new(), number),
+            found.verdict.name().to_owned(),
+        ];
+        texts.chain(numbers.map(number)).chain(last).collect()
     }
 
     /// Whether the intervals of 68 and 95 % hold the true Ca and a.
@@ -79,22 +131,19 @@ fn setup(half_width_um: f64) -> Setup {
     }
 }
 
-/// Identifies a capsule from a contour, in um.
+/// Identifies a capsule from a contour and the line of a dent, which may be empty, in um.
 pub(crate) fn by_contour(
     shapes: &mut Shapes<'_, '_>,
     grid: &Grid,
     points: &mut [Point],
     truth: [f64; 2],
-    drawn: &[[f64; 2]],
+    [drawn, line]: [&[[f64; 2]]; 2],
     known: &Known,
 ) -> Result<Trial, StudyError> {
     let measurement = Measurement {
         setup: setup(known.half_width_um),
-        contour: Some(Contour {
-            points_um: drawn,
-            direction: Direction::Right,
-            noise_um: known.noise_um,
-        }),
+        contour: Some(known.contour(drawn)),
+        dent_line_um: line,
         lengths: Lengths::default(),
         priors: known.priors,
     };
@@ -102,7 +151,32 @@ pub(crate) fn by_contour(
     let found = identify(shapes, grid, &measurement, points)?;
     Ok(Trial {
         truth,
-        found,
+        found: found.into(),
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// Identifies a capsule from contours of several frames, in um, steady ones or ones of its transient.
+pub(crate) fn by_frames(
+    shapes: &mut Shapes<'_, '_>,
+    grid: &Grid,
+    points: &mut [Point],
+    truth: [f64; 2],
+    (drawn, steady): (&[Vec<[f64; 2]>], bool),
+    known: &Known,
+) -> Result<Trial, StudyError> {
+    let contours: Vec<Contour<'_>> = drawn.iter().map(|points_um| known.contour(points_um)).collect();
+    let sequence = Sequence {
+        setup: setup(known.half_width_um),
+        contours: &contours,
+        priors: known.priors,
+        steady,
+    };
+    let start = Instant::now();
+    let found = identify_sequence(shapes, grid, &sequence, points)?;
+    Ok(Trial {
+        truth,
+        found: found.into(),
         seconds: start.elapsed().as_secs_f64(),
     })
 }
@@ -124,6 +198,7 @@ pub(crate) fn by_lengths(
     let measurement = Measurement {
         setup: setup(HALF_WIDTH_UM),
         contour: None,
+        dent_line_um: &[],
         lengths: Lengths {
             axial_length_um: length,
             half_width_um: half_width,
@@ -140,7 +215,7 @@ pub(crate) fn by_lengths(
     let found = identify(shapes, grid, &measurement, &mut [])?;
     Ok(Trial {
         truth: truth.parameters,
-        found,
+        found: found.into(),
         seconds: start.elapsed().as_secs_f64(),
     })
 }

@@ -1,7 +1,7 @@
 //! Outlines of the full-order model, as a camera would see them, and contours drawn along them.
 
 use capsule_core::{Domain, Model, Parameters, silhouette};
-use capsule_database::{Database, Trajectory};
+use capsule_database::{Database, Mesh, Trajectory};
 use capsule_identify::Observable;
 
 use crate::StudyError;
@@ -9,14 +9,23 @@ use crate::random::Random;
 
 /// Half the channel's width in the study, in um: the answer does not depend on it.
 pub const HALF_WIDTH_UM: f64 = 25.0;
+/// Depth of a dent below which its line cannot be told from the outline, in l.
+const LEAST_DEPTH: f64 = 0.05;
+/// Instants of the frames of a transient, in l/V.
+pub const TRANSIENT: [f64; 3] = [0.4, 1.0, 2.0];
 
-/// A capsule of the full-order model at the end of its motion.
+/// A capsule of the full-order model. Outlines are halves, front to rear, so dense that chords do for the curve.
 #[derive(Debug, Clone)]
 pub struct Truth {
     /// Ca and a/l.
     pub parameters: [f64; 2],
-    /// Half its outline, front to rear, so dense that chords do for the curve.
+    /// Its outline at the end of its motion.
     pub outline: Vec<[f64; 2]>,
+    /// Of a silhouette, the line at which its dent is seen, from the rearmost place of the section to the axis; empty if
+    /// there is none.
+    pub dent_line: Vec<[f64; 2]>,
+    /// Its outlines at the instants of [`TRANSIENT`].
+    pub transient: [Vec<[f64; 2]>; 3],
     /// Axial length, half width and rear depth of the outline, and the velocity in that of the flow.
     pub scalars: [f64; 4],
 }
@@ -50,15 +59,19 @@ impl Truth {
     ) -> Result<Self, StudyError> {
         let mesh = database.mesh();
         let end = trajectory.extended(mesh, &[f64::from(model.end_time())])?;
-        let (positions, velocities) = (&end.positions[0], &end.velocities[0]);
-        let velocity = mesh.centroid_velocity(positions, velocities)?;
-        let (_, centroid) = mesh.volume_and_centroid(positions)?;
-        let positions: Vec<[f64; 3]> = positions.iter().map(|[x, y, z]| [x - centroid, *y, *z]).collect();
-        let section = smooth(&section(&mesh.nodes, &positions));
-        let outline = match observable {
-            Observable::Midplane => section.clone(),
-            Observable::Silhouette => seen(model, &positions)?,
+        let velocity = mesh.centroid_velocity(&end.positions[0], &end.velocities[0])?;
+        let centred = |positions: &[[f64; 3]]| -> Result<Vec<[f64; 3]>, StudyError> {
+            let (_, centroid) = mesh.volume_and_centroid(positions)?;
+            Ok(positions.iter().map(|[x, y, z]| [x - centroid, *y, *z]).collect())
         };
+        let positions = centred(&end.positions[0])?;
+        let section = smooth(&section(&mesh.nodes, &positions));
+        let outline = outlined(model, mesh, &positions, observable)?;
+        let mut transient = [const { Vec::new() }; 3];
+        let moving = trajectory.extended(mesh, &TRANSIENT)?;
+        for (outline, positions) in transient.iter_mut().zip(&moving.positions) {
+            *outline = outlined(model, mesh, &centred(positions)?, observable)?;
+        }
         let x = |outline: &[[f64; 2]]| {
             let greatest = outline.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
             [greatest, outline.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min)]
@@ -68,7 +81,12 @@ impl Truth {
         let width = outline.iter().map(|p| p[1]).fold(0.0, f64::max);
         Ok(Self {
             parameters: [trajectory.parameters[0], trajectory.parameters[1]],
+            dent_line: match observable {
+                Observable::Silhouette => dent_line(&section),
+                Observable::Midplane => Vec::new(),
+            },
             outline,
+            transient,
             scalars: [front - rear, width, pole - rear, velocity],
         })
     }
@@ -110,6 +128,29 @@ fn smooth(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     (0..=fine).map(at).collect()
 }
 
+/// The part of half a section behind its rearmost place, if that is not on the axis.
+fn dent_line(section: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let rear = (0..section.len()).min_by(|a, b| section[*a][0].total_cmp(&section[*b][0]));
+    let line = &section[rear.unwrap_or(0)..];
+    match (line.first(), line.last()) {
+        (Some(rim), Some(axis)) if axis[0] - rim[0] > LEAST_DEPTH => line.to_vec(),
+        _ => Vec::new(),
+    }
+}
+
+/// Half the outline of centred nodes.
+fn outlined(
+    model: &Model<'_>,
+    mesh: &Mesh,
+    positions: &[[f64; 3]],
+    observable: Observable,
+) -> Result<Vec<[f64; 2]>, StudyError> {
+    match observable {
+        Observable::Midplane => Ok(smooth(&section(&mesh.nodes, positions))),
+        Observable::Silhouette => seen(model, positions),
+    }
+}
+
 /// The silhouette along z. The geometry of the projection is the core's, the surface is not.
 fn seen(model: &Model<'_>, positions: &[[f64; 3]]) -> Result<Vec<[f64; 2]>, StudyError> {
     const POINTS: usize = 1025;
@@ -147,16 +188,42 @@ impl Drawing {
 
 /// A closed contour along half an outline and its mirror image: one point a pixel of the way, in um, somewhere.
 pub(crate) fn contour(outline: &[[f64; 2]], drawing: &Drawing, random: &mut Random) -> Vec<[f64; 2]> {
-    let mirrored = outline.iter().rev().skip(1).map(|[x, y]| [*x, -y]);
-    let closed: Vec<[f64; 2]> = outline.iter().copied().chain(mirrored).collect();
+    let [contour, _] = contour_and_line([outline, &[]], drawing, random);
+    contour
+}
+
+/// The same, and points along a dent line, whose offset is drawn at random like that of the edge.
+pub(crate) fn contour_and_line(
+    [outline, line]: [&[[f64; 2]]; 2],
+    drawing: &Drawing,
+    random: &mut Random,
+) -> [Vec<[f64; 2]>; 2] {
+    let first = random.next();
+    let place = [random.between(50.0, 90.0), random.between(20.0, 30.0)];
+    let contour = points_along(outline, drawing, (first, place), random);
+    if line.is_empty() {
+        return [contour, Vec::new()];
+    }
+    let edge = 0.25 * normal(random);
+    let line = points_along(line, &Drawing { edge, ..*drawing }, (first, place), random);
+    [contour, line]
+}
+
+/// Points along half a curve and its mirror image, one a pixel of the way, in um.
+fn points_along(
+    half: &[[f64; 2]],
+    drawing: &Drawing,
+    (first, place): (f64, [f64; 2]),
+    random: &mut Random,
+) -> Vec<[f64; 2]> {
+    let mirrored = half.iter().rev().skip(1).map(|[x, y]| [*x, -y]);
+    let closed: Vec<[f64; 2]> = half.iter().copied().chain(mirrored).collect();
     let mut way = vec![0.0];
     for pair in closed.windows(2) {
         way.push(way[way.len() - 1] + (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]));
     }
     let around = way[way.len() - 1];
     let count = ((around * drawing.pixels) as usize).max(12);
-    let first = random.next();
-    let place = [random.between(50.0, 90.0), random.between(20.0, 30.0)];
     (0..count)
         .map(|k| {
             let s = around * (k as f64 + first) / count as f64;
