@@ -29,6 +29,10 @@ const QUANTILES: [f64; 2] = [1.0, 1.959_964];
 /// More of the model's error than it ever has: with a normal distribution 24 on average and 51 once in a thousand, but
 /// large errors are more frequent than that.
 pub(crate) const GREATEST_STRUCTURE: f64 = 150.0;
+/// By what share of the contour's extent the points of a dent line may lie outside of it: their coordinates are others
+/// where they lie farther off.
+const LINE_MARGIN: f64 = 0.05;
+
 /// Identifies a capsule. `points` is room for as many points as the contour and a dent line have.
 ///
 /// # Errors
@@ -158,7 +162,10 @@ fn check_dent_line(shapes: &Shapes<'_, '_>, measurement: &Measurement<'_>) -> Re
     let within = |d: usize, x: f64| {
         let values = contour.points_um.iter().map(|point| point[d]);
         let least = values.clone().fold(f64::INFINITY, f64::min);
-        (least..=values.fold(f64::NEG_INFINITY, f64::max)).contains(&x)
+        let most = values.fold(f64::NEG_INFINITY, f64::max);
+        // Behind, the line may come out of the outline as traced.
+        let margin = LINE_MARGIN * (most - least);
+        (least - margin..=most + margin).contains(&x)
     };
     match line.iter().position(|point| !(0..2).all(|d| within(d, point[d]))) {
         Some(index) => Err(DentLineError::Outside { index }),

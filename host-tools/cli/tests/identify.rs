@@ -1,7 +1,7 @@
 //! `capsule-rom identify` on the outline of a capsule whose parameters are known: at the nodes of its section, with a
 //! decimal comma as spreadsheets write it, and drawn into a picture.
 
-use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Query, Workspace};
+use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, silhouette};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -177,6 +177,57 @@ fn several_frames_tell_the_capsule_and_their_instants() {
             "{t} +- {deviation}, {truth}"
         );
     }
+}
+
+/// The silhouette along z of the steady capsule, in l.
+fn seen() -> Vec<[f64; 2]> {
+    let model = Model::open(include_bytes!("../../../models/capsule.crom")).unwrap();
+    let mut workspace = Workspace::<f64>::new();
+    let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
+    evaluator
+        .prepare(&Query::new([CA, CONFINEMENT], Method::Direct))
+        .unwrap();
+    let mesh = model.mesh();
+    let mut positions = vec![[0.0; 3]; mesh.nodes()];
+    let scene = Scene {
+        nodes: Nodes::All,
+        frame: Frame::Centroid,
+    };
+    let mut instant = evaluator.at(model.end_time().into()).unwrap();
+    instant.positions(&scene, &mut positions).unwrap();
+    let mut normals = vec![[0.0; 3]; mesh.sector_nodes().len()];
+    let mut half = vec![[0.0; 2]; 201];
+    silhouette(&mesh, &positions, [1.0, 0.0], &mut normals, &mut half).unwrap();
+    let mirrored: Vec<[f64; 2]> = half[1..200].iter().rev().map(|[x, y]| [*x, -y]).collect();
+    half.extend(mirrored);
+    half
+}
+
+#[test]
+fn a_dent_line_narrows_the_intervals_of_a_silhouette() {
+    let directory = tempfile::tempdir().unwrap();
+    let [contour, line] = ["contour.csv", "line.csv"].map(|name| directory.path().join(name));
+    write_points(&contour, &seen());
+    let (section, _) = section();
+    let rear = section.iter().map(|[x, _]| *x).fold(f64::INFINITY, f64::min);
+    let behind = section.iter().filter(|[x, y]| *x < rear + 0.5 && y.abs() < 0.5);
+    write_points(&line, &behind.copied().collect::<Vec<_>>());
+    let width = |options: &str| {
+        let output = run(&contour, &format!("{FLOW} -o silhouette --flow right --json {options}"));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(answer["verdict"], "identified");
+        let [low, high] = [0, 1].map(|end| answer["ca_95"][end].as_f64().unwrap());
+        assert!(low < CA && CA < high, "{low} {high}");
+        (high - low, answer["dent_line_residual_um"].as_f64())
+    };
+    let (without, none) = width("");
+    let (with, residual) = width(&format!("--dent-line {}", line.display()));
+    assert!(with < 0.8 * without && none.is_none(), "{with} {without}");
+    assert!(residual.unwrap() < 0.1, "{residual:?}");
+    let section = run(&contour, &format!("{FLOW} -o midplane --dent-line {}", line.display()));
+    let message = String::from_utf8_lossy(&section.stderr);
+    assert!(!section.status.success() && message.contains("silhouette"), "{message}");
 }
 
 #[test]
