@@ -3,6 +3,7 @@
 use crate::algebra::Factor;
 use crate::curve::{Curve, dot};
 use crate::domain::Side;
+use crate::error::IdentifyError;
 use crate::fit::{Accuracy, Fitter};
 use crate::grid::{FEATURES, Grid, distance, of_curve};
 use crate::measurement::{Contour, MAX_FRAMES, Measurement, Sequence};
@@ -10,7 +11,7 @@ use crate::noise::{Bins, LEAST_NOISE, Noise};
 use crate::residuals::{Data, EDGE, NUISANCES, Place, Point, SCALE, SHIFT, Trace};
 use crate::shapes::{SCALARS, Shape};
 use crate::solver::Solver;
-use crate::starts::START_POINTS;
+use crate::starts::{Candidate, START_POINTS};
 use capsule_core::EvaluateError;
 
 /// Unknowns of all frames: ln Ca, a/l, edge, scale.
@@ -48,6 +49,9 @@ pub(crate) struct Linear {
     pub(crate) steps: [[f64; OWN]; COMMON + 1],
     /// Variance of the instant at fixed common unknowns.
     pub(crate) variance: f64,
+    /// Twice the negative logarithm of the own unknowns' share in the marginal likelihood: the logarithms of their
+    /// normal matrix' determinant and of the priors' variances.
+    freedom: f64,
 }
 
 pub(crate) struct Fit<'f, 'a, 'w, 's> {
@@ -72,8 +76,17 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         self.fitter.shapes.at(theta)
     }
 
-    /// The capsules of the grid whose outlines come nearest to all contours, each at its best instants.
-    pub(crate) fn starts(&mut self, grid: &Grid) -> Result<[Option<Start>; STARTS], EvaluateError> {
+    /// The capsules from which to start. Steady frames show one that the first contour tells alone; for a transient, those
+    /// of the grid whose outlines come nearest to all contours, each at its best instants.
+    pub(crate) fn starts(&mut self, grid: &Grid) -> Result<[Option<Start>; STARTS], IdentifyError> {
+        if let (true, Some(first)) = (self.sequence.steady, self.sequence.contours.first()) {
+            let instants = [self.end; MAX_FRAMES];
+            self.fitter.shapes.set_instant(self.end);
+            let measurement = self.sequence.measurement(first);
+            let (_, candidates) = self.solver(&measurement).candidates(grid)?;
+            let start = |candidate: Candidate| (candidate.start.side, candidate.start.theta, instants);
+            return Ok(candidates.map(|candidate| candidate.map(start)));
+        }
         let half_width = self.sequence.setup.half_width_um;
         let mut measured = [[None; FEATURES]; MAX_FRAMES];
         for (features, contour) in measured.iter_mut().zip(self.sequence.contours) {
@@ -83,8 +96,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         for (side, theta) in grid.places() {
             let mut nearest = [(f64::INFINITY, self.end); MAX_FRAMES];
             // Early instants follow each other closely: there the shape changes fast.
-            let first = if self.sequence.steady { INSTANTS } else { 1 };
-            for k in first..=INSTANTS {
+            for k in 1..=INSTANTS {
                 let share = k as f64 / INSTANTS as f64;
                 let t = self.end * share * share;
                 let shape = self.shape(theta, t)?;
@@ -268,6 +280,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             }),
             steps,
             variance: factor.inverse_column(0)[0],
+            freedom: factor.log_determinant() + (0..NUISANCES).map(|i| 2.0 * libm::log(data.deviation(i))).sum::<f64>(),
         }))
     }
 
@@ -288,6 +301,7 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             matrix: [[0.0; COMMON]; COMMON],
             steps: [[0.0; OWN]; COMMON + 1],
             variance: 0.0,
+            freedom: 0.0,
         };
         let frames = self.frames;
         let mut linears = [zero; MAX_FRAMES];
@@ -298,6 +312,17 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
             }
         }
         Ok(Some(linears))
+    }
+
+    /// Twice the negative logarithm of the marginal likelihood where a fit has ended, the unknowns beside Ca and a/l
+    /// integrated over: by it fits with different bounds of the model are compared.
+    pub(crate) fn evidence(&mut self, sum: f64) -> Result<Option<f64>, EvaluateError> {
+        let Some(linears) = self.total()? else {
+            return Ok(None);
+        };
+        let [.., [_, _, a, b], [_, _, _, c]] = summed(&linears);
+        let own: f64 = linears.iter().take(self.count()).map(|linear| linear.freedom).sum();
+        Ok(Some(sum + own + libm::log(a * c - b * b)))
     }
 
     /// Fits by steps of Gauss and Newton with Levenberg's damping; the sum of squares where it ends.

@@ -123,12 +123,12 @@ fn identify_frames(
             continue;
         };
         fit.begin(side, theta, instants)?;
-        *found = fit.run()?.map(|sum| fit.found(sum));
+        *found = fit.run()?.map(|sum| fit.found(sum)).transpose()?.flatten();
     }
     if let [Some(a), Some(b)] = &found {
         // The second only if it is another capsule that may fit as well with all points.
-        let worse = if a.sum <= b.sum { 1 } else { 0 };
-        if (a.sum - b.sum).abs() > DROPPED_RISE || a.is_near(b) {
+        let worse = if a.evidence <= b.evidence { 1 } else { 0 };
+        if (a.evidence - b.evidence).abs() > DROPPED_RISE || a.is_near(b) {
             found[worse] = None;
         }
     }
@@ -141,29 +141,30 @@ fn identify_frames(
                 fit.gather(points)?;
                 sum = fit.run()?;
             }
-            *found = sum.map(|sum| fit.found(sum));
+            *found = sum.map(|sum| fit.found(sum)).transpose()?.flatten();
         }
     }
     let (best, other) = match found {
-        [Some(a), Some(b)] if b.sum < a.sum => (b, Some(a)),
+        [Some(a), Some(b)] if b.evidence < a.evidence => (b, Some(a)),
         [Some(a), b] => (a, b),
         [None, Some(b)] => (b, None),
         [None, None] => return Err(IdentifyError::NoFit),
     };
-    let other = other.filter(|other| other.sum - best.sum <= CHI_SQUARED_95 && !other.is_near(&best));
+    let other = other.filter(|other| other.evidence - best.evidence <= CHI_SQUARED_95 && !other.is_near(&best));
     (fit.side, fit.theta, fit.frames) = (best.side, best.theta, best.frames);
     let alternative = other.map(|other| Alternative {
         capillary_number: libm::exp(other.theta[0]),
         confinement: other.theta[1],
-        rise: other.sum - best.sum,
+        rise: other.evidence - best.evidence,
     });
     fit.state(best.sum, alternative)
 }
 
-/// Where a fit has ended, and its sum of squares.
+/// Where a fit has ended, its sum of squares and its evidence.
 #[derive(Clone, Copy)]
 struct Found {
     sum: f64,
+    evidence: f64,
     side: Side,
     theta: [f64; 2],
     frames: [Frame; MAX_FRAMES],
@@ -195,13 +196,15 @@ impl<'s> Sequence<'s> {
 }
 
 impl Fit<'_, '_, '_, '_> {
-    fn found(&self, sum: f64) -> Found {
-        Found {
+    fn found(&mut self, sum: f64) -> Result<Option<Found>, EvaluateError> {
+        let evidence = self.evidence(sum)?;
+        Ok(evidence.map(|evidence| Found {
             sum,
+            evidence,
             side: self.side,
             theta: self.theta,
             frames: self.frames,
-        }
+        }))
     }
 
     fn state(&mut self, sum: f64, alternative: Option<Alternative>) -> Result<SequenceIdentification, IdentifyError> {

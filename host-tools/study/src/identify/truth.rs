@@ -12,7 +12,7 @@ pub const HALF_WIDTH_UM: f64 = 25.0;
 /// Depth of a dent below which its line cannot be told from the outline, in l.
 const LEAST_DEPTH: f64 = 0.05;
 /// Instants of the frames of a transient, in l/V.
-pub const TRANSIENT: [f64; 3] = [0.4, 1.0, 2.0];
+pub const TRANSIENT: [f64; 3] = [1.0, 2.0, 3.0];
 
 /// A capsule of the full-order model. Outlines are halves, front to rear, so dense that chords do for the curve.
 #[derive(Debug, Clone)]
