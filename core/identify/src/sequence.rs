@@ -21,6 +21,7 @@ use crate::residuals::{EDGE, NUISANCES, Point, SCALE};
 use crate::shapes::{Shapes, VELOCITY};
 use crate::solve::{CHI_SQUARED_95, DROPPED_RISE, GREATEST_STRUCTURE};
 use crate::solver::SIGNIFICANT;
+use crate::starts::START_POINTS;
 use capsule_core::EvaluateError;
 
 /// Standard normal quantiles of 68.27 and 95 %.
@@ -126,9 +127,16 @@ fn identify_frames(
         *found = fit.run()?.map(|sum| fit.found(sum)).transpose()?.flatten();
     }
     if let [Some(a), Some(b)] = &found {
-        // The second only if it is another capsule that may fit as well with all points.
-        let worse = if a.evidence <= b.evidence { 1 } else { 0 };
-        if (a.evidence - b.evidence).abs() > DROPPED_RISE || a.is_near(b) {
+        // The second only if it is another capsule that may fit as well with all points. Where even the better one leaves
+        // much, the noise is greater than was assumed.
+        let (worse, left) = if a.evidence <= b.evidence {
+            (1, a.sum)
+        } else {
+            (0, b.sum)
+        };
+        let expected = (START_POINTS * sequence.contours.len()) as f64;
+        let hopeless = DROPPED_RISE * (left / expected).max(1.0);
+        if (a.evidence - b.evidence).abs() > hopeless || a.is_near(b) {
             found[worse] = None;
         }
     }

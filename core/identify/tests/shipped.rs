@@ -711,6 +711,40 @@ fn steady_frames_are_averaged_and_their_drift_is_seen() {
     assert!(matches!(none, Err(IdentifyError::Frames { found: 0 })));
 }
 
+/// Beside the border the model's bound is greater and explains more, which must not make such a capsule the answer.
+#[test]
+fn frames_are_not_drawn_to_the_border_of_buckling() {
+    let model = Model::open(FILE).unwrap();
+    let mut bench = Bench::new(&model);
+    let mut shapes = bench.shapes(&model, Observable::Silhouette);
+    let (grid, end) = (Grid::new(&mut shapes).unwrap(), shapes.instant());
+    for (seed, truth) in [
+        [0.0293, 0.8998],
+        [0.0166, 0.9525],
+        [0.0403, 0.9349],
+        [0.0205, 1.0277],
+        [0.0294, 0.8334],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let drawn = frames(&mut shapes, &[(truth, end); 3], 1e-2, seed as u64 + 41);
+        let contours: Vec<Contour<'_>> = drawn
+            .iter()
+            .map(|points| measurement(points).contour.unwrap())
+            .collect();
+        let sequence = Sequence {
+            setup: measurement(&[]).setup,
+            contours: &contours,
+            priors: Priors::of_pixel(0.25),
+            steady: true,
+        };
+        let found = identify_sequence(&mut shapes, &grid, &sequence, &mut [Point::default(); 500]).unwrap();
+        let error = found.capillary_number.value / truth[0] - 1.0;
+        assert!(error.abs() < 0.15, "{truth:?}: {error} {:?}", found.verdict);
+    }
+}
+
 #[test]
 fn frames_that_show_no_such_capsule_are_not_identified() {
     let model = Model::open(FILE).unwrap();
