@@ -322,7 +322,12 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         };
         let [.., [_, _, a, b], [_, _, _, c]] = summed(&linears);
         let own: f64 = linears.iter().take(self.count()).map(|linear| linear.freedom).sum();
-        Ok(Some(sum + own + libm::log(a * c - b * b)))
+        // Each fit has a noise of its own.
+        let noise = self.frames.iter().take(self.count()).map(|frame| {
+            let weight: f64 = frame.bins.all().iter().map(|point| point.weight).sum();
+            2.0 * weight / frame.residuals.correlated.max(1.0) * libm::log(frame.noise)
+        });
+        Ok(Some(sum + noise.sum::<f64>() + own + libm::log(a * c - b * b)))
     }
 
     /// Fits by steps of Gauss and Newton with Levenberg's damping; the sum of squares where it ends.

@@ -718,16 +718,14 @@ fn frames_are_not_drawn_to_the_border_of_buckling() {
     let mut bench = Bench::new(&model);
     let mut shapes = bench.shapes(&model, Observable::Silhouette);
     let (grid, end) = (Grid::new(&mut shapes).unwrap(), shapes.instant());
-    for (seed, truth) in [
+    let truths = [
         [0.0293, 0.8998],
         [0.0166, 0.9525],
         [0.0403, 0.9349],
         [0.0205, 1.0277],
         [0.0294, 0.8334],
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    ];
+    for (seed, truth) in truths.into_iter().enumerate() {
         let drawn = frames(&mut shapes, &[(truth, end); 3], 1e-2, seed as u64 + 41);
         let contours: Vec<Contour<'_>> = drawn
             .iter()
