@@ -76,8 +76,8 @@ impl<'a, 'w> Fit<'_, 'a, 'w, '_> {
         self.fitter.shapes.at(theta)
     }
 
-    /// The capsules from which to start. Steady frames show one that the first contour tells alone; for a transient, those
-    /// of the grid whose outlines come nearest to all contours, each at its best instants.
+    /// The capsules from which to start: of steady frames, those of the first contour alone; of a transient, those of
+    /// the grid whose outlines come nearest to all contours, each at its best instants.
     pub(crate) fn starts(&mut self, grid: &Grid) -> Result<[Option<Start>; STARTS], IdentifyError> {
         if let (true, Some(first)) = (self.sequence.steady, self.sequence.contours.first()) {
             let instants = [self.end; MAX_FRAMES];

@@ -38,7 +38,7 @@ const FLAT: f64 = 10.0;
 /// Standard deviation that stands for certainty.
 const EXACT: f64 = 1e-9;
 
-/// What points are seen along.
+/// The curve that points are seen along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trace {
     Outline,

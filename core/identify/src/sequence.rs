@@ -127,8 +127,8 @@ fn identify_frames(
         *found = fit.run()?.map(|sum| fit.found(sum)).transpose()?.flatten();
     }
     if let [Some(a), Some(b)] = &found {
-        // The second only if it is another capsule that may fit as well with all points. Where even the better one leaves
-        // much, the noise is greater than was assumed.
+        // The second only if it is another capsule that may fit as well with all points. Where even the better one
+        // leaves much, the noise is greater than was assumed.
         let (worse, left) = if a.evidence <= b.evidence {
             (1, a.sum)
         } else {

@@ -197,8 +197,8 @@ fn intervals_near_the_best_value_are_those_of_the_curvature() {
     assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.2), "{ratios:?}");
 }
 
-/// The line at which the dent of a section is seen, in the coordinates of `contour`: from the rearmost place on one side
-/// over the axis to the other, `depth` too deep, in l.
+/// The line at which the dent of a section is seen, in the coordinates of `contour`: from the rearmost place on one
+/// side over the axis to the other, `depth` too deep, in l.
 fn dent_line(section: &Shape, depth: f64, noise: f64, mut normal: impl FnMut() -> f64) -> Vec<[f64; 2]> {
     let half: Vec<[f64; 2]> = (0..=2000)
         .map(|i| section.curve.position(f64::from(i) / 2000.0))

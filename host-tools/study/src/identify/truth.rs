@@ -21,8 +21,8 @@ pub struct Truth {
     pub parameters: [f64; 2],
     /// Its outline at the end of its motion.
     pub outline: Vec<[f64; 2]>,
-    /// Of a silhouette, the line at which its dent is seen, from the rearmost place of the section to the axis; empty if
-    /// there is none.
+    /// Of a silhouette, the line at which its dent is seen, from the rearmost place of the section to the axis; empty
+    /// if there is none.
     pub dent_line: Vec<[f64; 2]>,
     /// Its outlines at the instants of [`TRANSIENT`].
     pub transient: [Vec<[f64; 2]>; 3],
