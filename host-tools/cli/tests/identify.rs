@@ -207,11 +207,17 @@ fn seen() -> Vec<[f64; 2]> {
 fn a_dent_line_narrows_the_intervals_of_a_silhouette() {
     let directory = tempfile::tempdir().unwrap();
     let [contour, line] = ["contour.csv", "line.csv"].map(|name| directory.path().join(name));
-    write_points(&contour, &seen());
+    // Errors of some 0.1 um, as of a pixel of that size.
+    let jittered = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+        let jitter = |i: usize, d: usize| 0.006 * ((i * i * 7 + 3 * d) as f64).sin();
+        let points = points.into_iter().enumerate();
+        points.map(|(i, [x, y])| [x + jitter(i, 0), y + jitter(i, 1)]).collect()
+    };
+    write_points(&contour, &jittered(seen()));
     let (section, _) = section();
     let rear = section.iter().map(|[x, _]| *x).fold(f64::INFINITY, f64::min);
     let behind = section.iter().filter(|[x, y]| *x < rear + 0.5 && y.abs() < 0.5);
-    write_points(&line, &behind.copied().collect::<Vec<_>>());
+    write_points(&line, &jittered(behind.copied().collect()));
     let width = |options: &str| {
         let output = run(&contour, &format!("{FLOW} -o silhouette --flow right --json {options}"));
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -224,7 +230,7 @@ fn a_dent_line_narrows_the_intervals_of_a_silhouette() {
     let (without, none) = width("");
     let (with, residual) = width(&format!("--dent-line {}", line.display()));
     assert!(with < 0.8 * without && none.is_none(), "{with} {without}");
-    assert!(residual.unwrap() < 0.1, "{residual:?}");
+    assert!((0.05..0.2).contains(&residual.unwrap()), "{residual:?}");
     let section = run(&contour, &format!("{FLOW} -o midplane --dent-line {}", line.display()));
     let message = String::from_utf8_lossy(&section.stderr);
     assert!(!section.status.success() && message.contains("silhouette"), "{message}");
