@@ -151,10 +151,7 @@ impl Curve {
 
     /// Values known at the points, linear between them, at a place.
     pub(crate) fn value<const W: usize>(&self, values: &[[f64; W]; MAX_HALF], place: f64) -> [f64; W] {
-        let i = (place as usize).min(self.count.saturating_sub(2));
-        let share = place - i as f64;
-        let [low, high] = [i, i + 1].map(|i| values.get(i).copied().unwrap_or([0.0; W]));
-        core::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
+        between(values, (place as usize).min(self.count.saturating_sub(2)), place)
     }
 
     /// Place of the greatest product with a direction along the curve.
@@ -204,6 +201,13 @@ impl Curve {
         }
         [area, if area > 0.0 { moment / area } else { 0.0 }]
     }
+}
+
+/// Values at a place, linear between those known at a whole place before it and at the next.
+pub(crate) fn between<const W: usize>(values: &[[f64; W]; MAX_HALF], i: usize, place: f64) -> [f64; W] {
+    let share = place - i as f64;
+    let [low, high] = [i, i + 1].map(|i| values.get(i).copied().unwrap_or([0.0; W]));
+    core::array::from_fn(|k| low[k] + share * (high[k] - low[k]))
 }
 
 pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {

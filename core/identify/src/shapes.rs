@@ -1,6 +1,6 @@
 //! The model as a source of outlines: what a camera sees of the capsule at parameters, and how that changes with them.
 
-use crate::curve::{Curve, MAX_HALF, dot};
+use crate::curve::{self, Curve, MAX_HALF, dot};
 use crate::residuals::Trace;
 use capsule_core::{
     EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Parameters, Query, Scene, Workspace, scratch_len,
@@ -75,19 +75,18 @@ pub(crate) struct Sensitivity {
     /// Derivatives of the curve: a curve is linear in its points, so they are the curves through theirs. What its
     /// points move along the curve does not count.
     pub(crate) curves: [Curve; 2],
-    /// Those of the section.
-    pub(crate) sections: [Curve; 2],
+    /// Outward movement of the section's points.
+    pub(crate) of_section: [[f64; 2]; MAX_HALF],
     pub(crate) scalars: [[f64; 2]; SCALARS],
 }
 
 impl Sensitivity {
     /// Outward movement of a curve at a place with its normal.
     pub(crate) fn outward(&self, trace: Trace, place: f64, normal: [f64; 2]) -> [f64; 2] {
-        let curves = match trace {
-            Trace::Outline => &self.curves,
-            Trace::DentLine => &self.sections,
-        };
-        [0, 1].map(|d| dot(curves[d].at_place(place), normal))
+        match trace {
+            Trace::Outline => [0, 1].map(|d| dot(self.curves[d].at_place(place), normal)),
+            Trace::DentLine => curve::between(&self.of_section, place as usize, place),
+        }
     }
 }
 
@@ -161,7 +160,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
             }
             Observable::Silhouette => {
                 instant.positions(&ALL, self.memory.positions)?;
-                section = of_section(self.model, self.memory.positions, 1.0);
+                section = of_section(self.model, self.memory.positions);
                 let rear = section.points().last().map_or(0.0, |[x, _]| *x);
                 let mut rays = [[0.0; 2]; RAYS];
                 let mesh = self.model.mesh();
@@ -202,7 +201,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
     ) -> Result<Sensitivity, EvaluateError> {
         let mut sensitivity = Sensitivity {
             curves: [Curve::EMPTY; 2],
-            sections: [Curve::EMPTY; 2],
+            of_section: [[0.0; 2]; MAX_HALF],
             scalars: [[0.0; 2]; SCALARS],
         };
         for (d, step) in STEPS.into_iter().enumerate() {
@@ -213,7 +212,10 @@ impl<'a, 'w> Shapes<'a, 'w> {
             let [low, high] = [self.at(before)?, self.at(after)?];
             let share = if width > 0.0 { 1.0 / width } else { 0.0 };
             sensitivity.curves[d] = self.difference(shape, [&low, &high], share);
-            sensitivity.sections[d] = moved([&low.section, &high.section], share);
+            for (i, point) in shape.section.points().iter().enumerate() {
+                let [before, after] = [&low, &high].map(|end| end.section.nearest_from(i, *point).distance);
+                sensitivity.of_section[i][d] = share * (before - after);
+            }
             let scalars = low.scalars.iter().zip(&high.scalars);
             for (derivative, (low, high)) in sensitivity.scalars.iter_mut().zip(scalars) {
                 derivative[d] = share * (high - low);
@@ -236,7 +238,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         Curve::through(points).unwrap_or(Curve::EMPTY)
     }
 
-    /// Derivatives of a shape of the model at its place, those of the interpolation.
+    /// Derivatives of a shape of the model at its place, those of the interpolation; none of the section.
     pub(crate) fn derivatives(
         &mut self,
         shape: &Shape,
@@ -250,7 +252,6 @@ impl<'a, 'w> Shapes<'a, 'w> {
         let mut derivatives = evaluator.derivatives(&query, self.t)?;
         let mut points = [[[0.0; 2]; MAX_HALF]; 2];
         let mut rear_poles = [0.0; 2];
-        let mut sections = [Curve::EMPTY; 2];
         let mut scalars = [[0.0; 2]; SCALARS];
         for d in 0..2 {
             scalars[VELOCITY][d] = factors[d] * f64::from(derivatives.centroid_velocity(d)?);
@@ -268,8 +269,8 @@ impl<'a, 'w> Shapes<'a, 'w> {
                 let [positions, fields @ ..] = split(self.memory.positions, self.model.mesh().nodes())?;
                 for d in 0..2 {
                     derivatives.positions(d, &ALL, fields[d])?;
-                    sections[d] = of_section(self.model, fields[d], factors[d]);
-                    rear_poles[d] = sections[d].points().last().map_or(0.0, |[x, _]| *x);
+                    let section = of_section(self.model, fields[d]);
+                    rear_poles[d] = section.points().last().map_or(0.0, |[x, _]| factors[d] * x);
                 }
                 // The positions are gone where other shapes came after this one.
                 evaluator.prepare(&query)?;
@@ -304,7 +305,7 @@ impl<'a, 'w> Shapes<'a, 'w> {
         scalars[RADIUS] = [0.0, 1.0];
         Ok(Sensitivity {
             curves,
-            sections,
+            of_section: [[0.0; 2]; MAX_HALF],
             scalars,
         })
     }
@@ -324,13 +325,13 @@ fn query([ca, confinement]: [f64; 2]) -> Result<Query<f32>, EvaluateError> {
     Ok(Query::new(parameters, Method::Direct))
 }
 
-/// Values at the nodes of the section through the axis, front to rear, times a factor; empty without such nodes.
-fn of_section(model: &Model<'_>, values: &[[f32; 3]], factor: f64) -> Curve {
+/// Values at the nodes of the section through the axis, front to rear; empty without such nodes.
+fn of_section(model: &Model<'_>, values: &[[f32; 3]]) -> Curve {
     let Some(nodes) = model.node_set(MIDPLANE) else {
         return Curve::EMPTY;
     };
     let value = |node: usize| values.get(node).copied().unwrap_or_default().map(f64::from);
-    let points = nodes.iter().map(value).map(|[x, y, _]| [factor * x, factor * y]);
+    let points = nodes.iter().map(value).map(|[x, y, _]| [x, y]);
     let mut of_nodes = [[0.0; 2]; MAX_HALF];
     let count = of_nodes
         .iter_mut()

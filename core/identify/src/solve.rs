@@ -238,12 +238,11 @@ impl Solver<'_, '_, '_, '_> {
                 }
             }
         }
-        let [a, b] = fits;
-        let (fit, alternative) = match (a, b) {
-            (Some(a), Some(b)) if b.evidence < a.evidence => (b, Some(a)),
-            (Some(a), b) => (a, b),
-            (None, Some(b)) => (b, None),
-            (None, None) => return Err(IdentifyError::NoFit),
+        let (fit, alternative) = match &fits {
+            [Some(a), Some(b)] if b.evidence < a.evidence => (b, Some(a)),
+            [Some(a), b] => (a, b.as_ref()),
+            [None, Some(b)] => (b, None),
+            [None, None] => return Err(IdentifyError::NoFit),
         };
         let alternative = alternative.map(|other| Alternative {
             capillary_number: libm::exp(other.theta[0]),
@@ -264,7 +263,7 @@ impl Solver<'_, '_, '_, '_> {
     fn state(
         &mut self,
         direction: Direction,
-        fit: Fit,
+        fit: &Fit,
         alternative: Option<Alternative>,
         [points, line]: [&[Point]; 2],
         [noise, line_noise]: [Noise; 2],
@@ -310,7 +309,7 @@ impl Solver<'_, '_, '_, '_> {
         };
         let mut profile = Profile {
             data,
-            fit: &fit,
+            fit,
             sum: Fitter::profiled(&data, &fit.shape, &fit.nuisances).map_or(fit.sum, |(sum, _)| sum),
             local: None,
             model_parameters,
@@ -320,7 +319,7 @@ impl Solver<'_, '_, '_, '_> {
             .covariance()
             .and_then(|covariance| local_steps(&covariance, quantiles))
         {
-            profile.local = self.fitter.local(&data, &fit, steps)?;
+            profile.local = self.fitter.local(&data, fit, steps)?;
         }
         keep(&profile, (!known).then_some(freedom));
         let ratio = fit.slopes.sensitivity.scalars[VELOCITY].map(|derivative| derivative / velocity);
@@ -389,7 +388,7 @@ impl Solver<'_, '_, '_, '_> {
             evaluations: 0,
         };
         Ok(Identification {
-            verdict: self.verdict(&found, [noise, line_noise], &fit, intervals),
+            verdict: self.verdict(&found, [noise, line_noise], fit, intervals),
             ..found
         })
     }
