@@ -505,8 +505,8 @@ describe("the element", () => {
       '<h2 class="title">Own</h2><button class="play">Own</button><p class="map">Own</p><svg><text>x</text></svg>';
     const element = '<capsule-explorer ca="0.05" al="0.8" t="6" views="midplane"></capsule-explorer>';
     const body = `<!doctype html><html lang="en"><title>x</title><body>${own}</body></html>`;
-    await page.route("**/other.html", (route) => route.fulfill({ contentType: "text/html", body }));
-    await page.goto(`${url()}other.html`);
+    await page.route("**/elsewhere/other.html", (route) => route.fulfill({ contentType: "text/html", body }));
+    await page.goto(`${url()}elsewhere/other.html`);
     const looks = () =>
       page.evaluate(() =>
         [
@@ -534,6 +534,8 @@ describe("the element", () => {
     assert.equal(await page.isVisible("capsule-explorer .transport"), true);
     const { display } = await page.$eval("capsule-explorer .masthead", (part) => ({ ...getComputedStyle(part) }));
     assert.equal(display, "flex", "the element has its styles");
+    const notices = await page.$eval("capsule-explorer [id$=model] a", ({ href }) => href);
+    assert.equal(notices, `${url()}THIRD-PARTY.txt`, "the notices are beside the script");
     assert.deepEqual(errors, []);
     await close();
   });

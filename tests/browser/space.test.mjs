@@ -6,7 +6,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { describe, test } from "node:test";
-import { explorer, openModel, otherModel, predict, predictFields, settled } from "./support.mjs";
+import { explorer, membraneChanged, openModel, otherModel, predict, predictFields, settled } from "./support.mjs";
 
 // A small picture, since an emulated graphics card draws it.
 const { open, onPage } = explorer({ viewport: { width: 720, height: 560 } });
@@ -18,6 +18,9 @@ const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const rendered = (page) => page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
 const extremes = (page) =>
   page.$eval("#field", ({ dataset }) => [Number(dataset.least), Number(dataset.most)].map(Math.fround));
+/** The colours that can be chosen. */
+const offered = (page) =>
+  page.$$eval("#colour option", (all) => all.filter(({ hidden }) => !hidden).map(({ value }) => value));
 const range = (values) => [Math.min(...values), Math.max(...values)].map(Math.fround);
 
 /** Lengths of vectors x, y, z, given by columns. */
@@ -177,19 +180,32 @@ describe("the colours", () => {
       await page.setInputFiles("#model-file", otherModel(folder));
       await page.waitForFunction(() => document.body.dataset.model === "other");
       await settled(page);
-      const offered = await page.$$eval("#colour option", (all) => all.filter((o) => !o.hidden).map((o) => o.value));
-      assert.deepEqual(offered, ["none", "displacement", "velocity"]);
+      assert.deepEqual(await offered(page), ["none", "displacement", "velocity"]);
       await page.selectOption("#colour", "velocity");
       await rendered(page);
       await page.waitForFunction(() => !document.querySelector("#field").hidden);
       assert.match(await page.getAttribute("#field svg", "aria-label"), /Velocity in the laboratory frame/);
-      // A link may ask for mechanics, which no stress-free state is known for.
+      // A link may ask for mechanics, which is not known without a stress-free state.
       await page.evaluate(() => window.capsuleExplorer.set({ colour: "tension_1" }));
       await settled(page);
       assert.equal(await page.isVisible("#field"), false);
     } finally {
       rmSync(folder, { recursive: true });
     }
+  });
+
+  onPage("are no tensions of a membrane with another law", `#t=1${SOLID}`, async (page) => {
+    const buffer = membraneChanged("some-law-01", 2.5e-3);
+    const evaluation = (await openModel(buffer)).evaluation();
+    evaluation.prepare([0.1, 0.9], "direct", false);
+    assert.throws(() => evaluation.field("tension_1", "centroid"), { code: "unsupported-reference" });
+    await page.setInputFiles("#model-file", { name: "own.crom", mimeType: "application/octet-stream", buffer });
+    await page.waitForFunction(() => document.querySelector("#model").textContent.includes("some-law-01"));
+    await settled(page);
+    assert.deepEqual(await offered(page), ["none", "displacement", "velocity"]);
+    await page.evaluate(() => window.capsuleExplorer.set({ colour: "tension_1" }));
+    await settled(page);
+    assert.equal(await page.isVisible("#field"), false);
   });
 });
 

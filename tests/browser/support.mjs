@@ -6,6 +6,7 @@ import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "no
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
+import { crc32 } from "node:zlib";
 import { chromium } from "playwright-core";
 import { serveFolder } from "./static-server.mjs";
 
@@ -34,11 +35,17 @@ export const MODEL = resolve(ROOT, process.env.CAPSULE_MODEL ?? "models/capsule.
 /** The WebAssembly module, as `cargo xtask explore --build-only` builds it. */
 export const WASM = resolve(EXPLORER, "src/wasm");
 
-/** The model, opened by that module in Node. */
-export async function openModel() {
-  const { initSync, Model } = await import(resolve(WASM, "capsule_wasm.js"));
-  initSync({ module: readFileSync(resolve(WASM, "capsule_wasm_bg.wasm")) });
-  return Model.open(readFileSync(MODEL));
+/** What a module of the page exports, in Node. */
+export async function loaded(name) {
+  const module = await import(resolve(WASM, `${name}.js`));
+  module.initSync({ module: readFileSync(resolve(WASM, `${name}_bg.wasm`)) });
+  return module;
+}
+
+/** A model, by default the shipped one, opened by that module in Node. */
+export async function openModel(file = readFileSync(MODEL)) {
+  const { Model } = await loaded("capsule_wasm");
+  return Model.open(file);
 }
 
 export { QUANTITIES } from "../../wasm/explorer/src/app/quantities.js";
@@ -153,6 +160,20 @@ export function predictFields(ca, confinement, t, method) {
   } finally {
     rmSync(folder, { recursive: true });
   }
+}
+
+/** The model file with another law, of as many letters, and another bending stiffness of the membrane. */
+export function membraneChanged(law, stiffness) {
+  const HEADER = 16;
+  const file = readFileSync(MODEL);
+  const place = file.indexOf("neo-Hookean");
+  file.write(law, place);
+  const number = Buffer.alloc(8);
+  number.writeDoubleLE(1e-4);
+  file.writeDoubleLE(stiffness, file.indexOf(number, place));
+  // In the header only the checksum of the payload changes.
+  file.writeUInt32LE(crc32(file.subarray(HEADER)), HEADER - 4);
+  return file;
 }
 
 /** Builds a model of "other people's data", series over ca and al, in a folder; returns its path. */

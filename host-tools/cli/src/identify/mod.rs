@@ -78,8 +78,8 @@ Examples:
 Contours in pixels need --pixel-um. In pictures the walls give the scale. Lengths take the place of the file: \
 --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3.
 
-The capsule flows steadily along the axis of a square channel. Its membrane is neo-Hookean, the liquids inside and \
-outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface \
+The capsule flows steadily along the axis of a square channel. Its membrane has the model's law, neo-Hookean in the \
+shipped model; the liquids inside and outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface \
 shear modulus G_s, each with the intervals that hold the true value in 68 and 95 of 100 cases, and a verdict: an \
 answer without \"identified\" is none, or a bound. Nothing is extrapolated.";
 
