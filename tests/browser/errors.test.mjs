@@ -217,13 +217,19 @@ describe("a shape that no capsule can have", () => {
     assert.match(await page.innerText("#notice"), /No answer at t = \d/);
   });
 
-  onPage("leaves the space view empty", link(before, "&extrapolate=1"), async (page) => {
-    const answered = await solidPixels(page, { t: UNREFUSED / 2 });
-    assert.ok(answered > 5000, `${answered} pixels of the capsule`);
-    const refused = await solidPixels(page, { t: REFUSED.t });
-    assert.ok(refused < answered / 20, `${refused} pixels where there is no capsule`);
-    assert.ok((await solidPixels(page, { t: UNREFUSED })) > 5000);
-  });
+  onPage(
+    "leaves the space view empty",
+    link(before, "&extrapolate=1&views=solid"),
+    async (page) => {
+      await page.waitForSelector("#solid[data-rendered]");
+      const answered = await solidPixels(page, { t: UNREFUSED / 2 });
+      assert.ok(answered > 5000, `${answered} pixels of the capsule`);
+      const refused = await solidPixels(page, { t: REFUSED.t });
+      assert.ok(refused < answered / 20, `${refused} pixels where there is no capsule`);
+      assert.ok((await solidPixels(page, { t: UNREFUSED })) > 5000);
+    },
+    { viewport: { width: 720, height: 560 } },
+  );
 });
 
 describe("a refused query", () => {

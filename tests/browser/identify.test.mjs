@@ -163,7 +163,7 @@ describe("a file that holds no outline", () => {
 });
 
 test("a model of something else takes no outline", async () => {
-  const model = otherModel(mkdtempSync(join(folder, "other-")));
+  const model = otherModel();
   const { page, close } = await open(VIEW + SETUP);
   await drop(page, "outline.csv", TEXT);
   await identified(page);

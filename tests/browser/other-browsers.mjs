@@ -258,7 +258,7 @@ for (const [name, browser] of Object.entries(BROWSERS)) {
     });
 
     onPage("opens a model of other data from a file", `#t=1${FLAT}`, async () => {
-      await page.setInputFiles("#model-file", otherModel(mkdtempSync(join(folder, "other-"))));
+      await page.setInputFiles("#model-file", otherModel());
       await page.waitForFunction(() => document.body.dataset.model === "other");
       await settled(page);
       assert.equal(Object.keys(await figures(page)).length, QUANTITIES.length);
