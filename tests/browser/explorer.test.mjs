@@ -231,7 +231,7 @@ describe("the sections", () => {
     assert.ok(picture.length > 10_000, `the space view is not blank: ${picture.length} bytes`);
     for (const view of ["midplane", "diagonal"]) {
       const outline = await page.getAttribute(`#${view} .membrane`, "d");
-      assert.ok(outline.split("C").length > 20, `${view} is an outline of many pieces`);
+      assert.ok(outline.split("S").length > 20, `${view} is an outline of many pieces`);
     }
   });
 });

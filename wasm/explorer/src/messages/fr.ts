@@ -227,8 +227,8 @@ export const fr: Messages = {
       "not-prepared": () => "un instant est demandé avant toute requête",
       "unknown-node": (node, nodes) => `le nœud ${node} n’existe pas : le maillage en a ${nodes}`,
       "unsupported-reference": () =>
-        "la mécanique de la membrane n’est connue que pour la loi néo-hookéenne et un état sans contrainte sphérique, " +
-        "de rayon a/ℓ",
+        "la mécanique de la membrane n’est connue que pour la loi néo-hookéenne et un état sans contrainte " +
+        "sphérique, de rayon a/ℓ",
       "stencil-too-small": (node) =>
         `les nœuds autour du nœud ${node} ne déterminent pas de dérivées : le maillage est trop grossier`,
       "unknown-node-set": () => "le modèle n’a pas d’ensemble de nœuds de ce nom",
@@ -240,7 +240,7 @@ export const fr: Messages = {
       magic: (found) => `ce n’est pas un fichier de modèle : il commence par ${found} au lieu de « CROM »`,
       version: (found, supported) =>
         Number(found) > Number(supported)
-          ? `le fichier est au format ${found}, cette page connaît les formats jusqu’à ${supported} : mettre la page à jour`
+          ? `le fichier est au format ${found}, cette page connaît jusqu’à ${supported} : mettre la page à jour`
           : `le fichier est au format ${found}, cette page ne connaît que le ${supported} : reconstruire le modèle`,
       checksum: (expected, found) => `le fichier est endommagé : CRC-32 ${expected} attendu, ${found} trouvé`,
       undecodable: () => "le contenu du fichier ne se lit pas selon son format",
@@ -266,8 +266,8 @@ export const fr: Messages = {
         `le texte a ${width} colonnes${names === "" ? "" : ` (${names})`} : il en faut deux, ou des titres qui ` +
         "commencent par x et y",
       "text-units": (named, given) =>
-        `les titres indiquent ${UNITS[named] ?? named} et l’unité donnée est ${UNITS[given] ?? given} : l’un des deux ` +
-        "est faux",
+        `les titres indiquent ${UNITS[named] ?? named} et l’unité donnée est ${UNITS[given] ?? given} : l’un des ` +
+        "deux est faux",
       "text-unit": () => "l’unité des nombres n’est pas connue : indiquer que ce sont des µm, ou la taille d’un pixel",
       "text-scale": () => "les nombres sont en pixels : donner la taille d’un pixel",
       "picture-unreadable": (cause) => `l’image ne se lit ni en PNG, ni en JPEG, ni en TIFF : ${cause}`,
@@ -277,8 +277,8 @@ export const fr: Messages = {
         `aucune capsule n’est visible : rien d’au moins ${least} pixels de large ne se détache du fond`,
       "picture-border": () => "la capsule touche le bord de l’image : tout le contour doit être visible",
       "picture-ends": () =>
-        "les deux bouts du canal diffèrent, comme si une capsule y touchait le bord de l’image : recadrer sur une seule " +
-        "capsule entière, avec du canal vide des deux côtés",
+        "les deux bouts du canal diffèrent, comme si une capsule y touchait le bord de l’image : recadrer sur une " +
+        "seule capsule entière, avec du canal vide des deux côtés",
       "picture-capsules": (count, places) =>
         `l’image montre ${count} capsule(s) entière(s), aux pixels ${places} : en choisir une par son numéro, de 1 à ` +
         count,
