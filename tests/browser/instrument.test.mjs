@@ -431,7 +431,7 @@ describe("the undisturbed flow", () => {
     await settled(page);
     const { velocity } = native(0.1, 0.9, 3);
     same(await drawn(page), velocity);
-    await page.waitForFunction(() => window.location.hash.includes("profile=1"));
+    await page.waitForFunction(() => /frame=centroid.*profile=1|profile=1.*frame=centroid/.test(window.location.hash));
     await page.reload();
     await page.waitForFunction(() => document.body.dataset.status === "ready");
     await settled(page);
