@@ -9,7 +9,14 @@ import remote from "selenium-webdriver/remote/index.js";
 
 /** How long a page may take for what a test waits for, in ms. */
 const PATIENCE = 120_000;
-const KEYS = { Space: Key.SPACE, Enter: Key.ENTER, Tab: Key.TAB, ArrowRight: Key.ARROW_RIGHT, ArrowUp: Key.ARROW_UP };
+const KEYS = {
+  Space: Key.SPACE,
+  Enter: Key.ENTER,
+  Tab: Key.TAB,
+  Escape: Key.ESCAPE,
+  ArrowRight: Key.ARROW_RIGHT,
+  ArrowUp: Key.ARROW_UP,
+};
 
 /** The path of a program, by the first of its names that is there. */
 function program(...names) {

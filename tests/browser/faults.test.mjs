@@ -2,26 +2,20 @@
 // ignored, figures that do not fit. Each stays away.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
-import { after, before, describe, test } from "node:test";
+import { readFileSync } from "node:fs";
+import { before, describe, test } from "node:test";
 import { crc32 } from "node:zlib";
 import { explorer, FLAT, figures, MODEL, otherModel, predict, settled } from "./support.mjs";
 
 const PHONE = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
 
-let folder;
 let other;
 
 const { open, onPage, url } = explorer();
 
 before(() => {
-  folder = mkdtempSync(join(tmpdir(), "capsule-"));
-  other = otherModel(folder);
+  other = otherModel();
 });
-
-after(() => rmSync(folder, { recursive: true, force: true }));
 
 const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const set = async (page, patch) => {
@@ -231,7 +225,7 @@ describe("the figures", () => {
     assert.ok(width > 2 * height, `${width} px wide, ${height} px high`);
   });
 
-  onPage("come back after the graphics context is lost", "#ca=0.1&al=0.9&t=3", async (page) => {
+  onPage("come back after the graphics context is lost", "#ca=0.1&al=0.9&t=3&initial=0&views=solid", async (page) => {
     await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
     await page.evaluate(() => {
       window.lose = document.querySelector("#solid canvas").getContext("webgl2").getExtension("WEBGL_lose_context");
@@ -275,7 +269,7 @@ describe("the figures", () => {
     assert.ok(Number(most) - Number(least) > outline);
   });
 
-  onPage("need one font", "#ca=0.1&al=0.9", async (page) => {
+  onPage("need one font", `#ca=0.1&al=0.9${FLAT}`, async (page) => {
     await page.evaluate(() => document.fonts.ready);
     const fonts = await page.evaluate(() =>
       performance
@@ -330,7 +324,7 @@ describe("a small screen", () => {
 describe("a phone", () => {
   onPage(
     "shows a refusal wherever one has scrolled to",
-    "#ca=0.1&al=0.9&t=1",
+    `#ca=0.1&al=0.9&t=1${FLAT}`,
     async (page) => {
       await page.locator("#map").scrollIntoViewIfNeeded();
       await set(page, { ca: 0.9 });

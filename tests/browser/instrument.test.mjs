@@ -310,30 +310,34 @@ describe("export", () => {
     assert.ok(Math.abs(volumeOf(points, read(primitive.indices)) / volume - 1) < 2e-3);
   });
 
-  onPage("gives a report that needs nothing else", "#ca=0.1&al=0.9&t=3&pins=A:paper:0.05,0.8", async (page) => {
-    await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
-    const report = (await save(page, "All of it in one page, HTML")).bytes.toString();
-    const { digest, rows, drawings, sources } = await page.evaluate((source) => {
-      const parsed = new DOMParser().parseFromString(source, "text/html");
-      return {
-        digest: /model ([0-9a-f]{8})/.exec(parsed.querySelector("li").textContent)[1],
-        rows: [...parsed.querySelectorAll("tbody tr")].map((row) => [...row.cells].map((cell) => cell.textContent)),
-        drawings: parsed.querySelectorAll("figure svg path").length,
-        sources: [...parsed.querySelectorAll("[src], link, script")].map((part) =>
-          (part.src ?? part.href).slice(0, 15),
-        ),
-      };
-    }, report);
-    assert.equal(digest, predict(0.1, 0.9, [3], "direct").model_digest);
-    const [live, pinned] = [native(0.1, 0.9, 3), native(0.05, 0.8, 3, "paper")];
-    assert.deepEqual(rows[0], [
-      "Axial length",
-      `${live.axial_length.toFixed(4)} ℓ`,
-      `${pinned.axial_length.toFixed(4)} ℓ`,
-    ]);
-    assert.ok(drawings > 5);
-    assert.deepEqual(sources, ["data:image/png;"]);
-  });
+  onPage(
+    "gives a report that needs nothing else",
+    "#ca=0.1&al=0.9&t=3&initial=0&pins=A:paper:0.05,0.8",
+    async (page) => {
+      await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
+      const report = (await save(page, "All of it in one page, HTML")).bytes.toString();
+      const { digest, rows, drawings, sources } = await page.evaluate((source) => {
+        const parsed = new DOMParser().parseFromString(source, "text/html");
+        return {
+          digest: /model ([0-9a-f]{8})/.exec(parsed.querySelector("li").textContent)[1],
+          rows: [...parsed.querySelectorAll("tbody tr")].map((row) => [...row.cells].map((cell) => cell.textContent)),
+          drawings: parsed.querySelectorAll("figure svg path").length,
+          sources: [...parsed.querySelectorAll("[src], link, script")].map((part) =>
+            (part.src ?? part.href).slice(0, 15),
+          ),
+        };
+      }, report);
+      assert.equal(digest, predict(0.1, 0.9, [3], "direct").model_digest);
+      const [live, pinned] = [native(0.1, 0.9, 3), native(0.05, 0.8, 3, "paper")];
+      assert.deepEqual(rows[0], [
+        "Axial length",
+        `${live.axial_length.toFixed(4)} ℓ`,
+        `${pinned.axial_length.toFixed(4)} ℓ`,
+      ]);
+      assert.ok(drawings > 5);
+      assert.deepEqual(sources, ["data:image/png;"]);
+    },
+  );
 
   onPage("gives drawings that stand alone", `#ca=0.1&al=0.9&t=3${FLAT}`, async (page) => {
     for (const name of [
@@ -365,7 +369,7 @@ describe("export", () => {
     assert.ok(Math.abs(bytes.readUInt32BE(16) - 2 * width) < 4);
   });
 
-  onPage("gives the picture of the space view", "#ca=0.1&al=0.9&t=3&views=solid", async (page) => {
+  onPage("gives the picture of the space view", "#ca=0.1&al=0.9&t=3&initial=0&views=solid", async (page) => {
     await page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
     const { bytes } = await save(page, "Capsule in the channel, PNG");
     assert.equal(bytes.subarray(1, 4).toString(), "PNG");
@@ -427,7 +431,7 @@ describe("the undisturbed flow", () => {
     await settled(page);
     const { velocity } = native(0.1, 0.9, 3);
     same(await drawn(page), velocity);
-    await page.waitForFunction(() => window.location.hash.includes("profile=1"));
+    await page.waitForFunction(() => /frame=centroid.*profile=1|profile=1.*frame=centroid/.test(window.location.hash));
     await page.reload();
     await page.waitForFunction(() => document.body.dataset.status === "ready");
     await settled(page);
@@ -437,7 +441,7 @@ describe("the undisturbed flow", () => {
 
   onPage(
     "is drawn in space",
-    "#ca=0.1&al=0.9&t=3&views=solid",
+    "#ca=0.1&al=0.9&t=3&initial=0&views=solid",
     async (page) => {
       await page.waitForSelector("#solid[data-rendered]");
       const picture = () => page.locator("#solid canvas").screenshot();
@@ -505,8 +509,8 @@ describe("the element", () => {
       '<h2 class="title">Own</h2><button class="play">Own</button><p class="map">Own</p><svg><text>x</text></svg>';
     const element = '<capsule-explorer ca="0.05" al="0.8" t="6" views="midplane"></capsule-explorer>';
     const body = `<!doctype html><html lang="en"><title>x</title><body>${own}</body></html>`;
-    await page.route("**/other.html", (route) => route.fulfill({ contentType: "text/html", body }));
-    await page.goto(`${url()}other.html`);
+    await page.route("**/elsewhere/other.html", (route) => route.fulfill({ contentType: "text/html", body }));
+    await page.goto(`${url()}elsewhere/other.html`);
     const looks = () =>
       page.evaluate(() =>
         [
@@ -534,6 +538,8 @@ describe("the element", () => {
     assert.equal(await page.isVisible("capsule-explorer .transport"), true);
     const { display } = await page.$eval("capsule-explorer .masthead", (part) => ({ ...getComputedStyle(part) }));
     assert.equal(display, "flex", "the element has its styles");
+    const notices = await page.$eval("capsule-explorer [id$=model] a", ({ href }) => href);
+    assert.equal(notices, `${url()}THIRD-PARTY.txt`, "the notices are beside the script");
     assert.deepEqual(errors, []);
     await close();
   });

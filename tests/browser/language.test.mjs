@@ -1,13 +1,13 @@
 // The page in French: no word of English is left in any view or state, it is as accessible and as narrow as the other
-// one, and the choice of the language holds. Words of the core are marked as English.
+// one, and the choice of the language holds. Refusals of the core are in French by their codes.
 
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { describe, test } from "node:test";
-import { drop, identified, pointsText, SETUP, section } from "./outlines.mjs";
-import { explorer, FLAT, settled } from "./support.mjs";
+import { drop, HALF_WIDTH_UM, identified, pointsText, SETUP, section } from "./outlines.mjs";
+import { explorer, FLAT, loaded, MODEL, openModel, ROOT, settled } from "./support.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const EXPLORER = resolve(import.meta.dirname, "../../wasm/explorer");
@@ -17,15 +17,15 @@ const TOUR_STEPS = 6;
 const { open, onPage } = explorer();
 const language = (page) => page.getAttribute("html", "lang");
 
-/** The messages of both languages, from their sources. */
-async function messages() {
+/** The messages of both languages from their sources, or what another source exports. */
+async function messages(source) {
   const { createServer } = await import(resolve(EXPLORER, "node_modules/vite/dist/node/index.js"));
   const options = { root: EXPLORER, configFile: false, logLevel: "silent", appType: "custom" };
   const server = await createServer({ ...options, server: { middlewareMode: true, watch: null, hmr: false } });
-  const { en } = await server.ssrLoadModule("/src/messages/en.ts");
-  const { fr } = await server.ssrLoadModule("/src/messages/fr.ts");
+  const paths = source === undefined ? ["/src/messages/en.ts", "/src/messages/fr.ts"] : [source];
+  const modules = await Promise.all(paths.map((path) => server.ssrLoadModule(path)));
   await server.close();
-  return { en, fr };
+  return Object.assign({}, ...modules);
 }
 
 /** Texts and functions of the messages, each with its path. */
@@ -83,7 +83,7 @@ async function walk(points) {
       window.location.hash = fragment;
     }, state);
     await settled(page);
-    if ((await page.getAttribute("body", "data-answer")) !== "refused") await said();
+    if ((await page.getAttribute("body", "data-answer")) === "extrapolated") await said();
     if (state.includes("solid")) await page.waitForSelector("#field:not([hidden])");
     await gather(page);
   }
@@ -160,7 +160,8 @@ describe("the page in French", () => {
           await page.click(`#open-${dialog}`);
           await page.waitForSelector(`#${dialog}[open]`);
         }
-        const { violations } = await page.evaluate(() => window.axe.run(document));
+        const part = dialog === "" ? "body" : `#${dialog}`;
+        const { violations } = await page.evaluate((selector) => window.axe.run(selector), part);
         const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`);
         assert.deepEqual(found, [], dialog);
         const over = await page.evaluate(() =>
@@ -210,8 +211,11 @@ describe("the language", () => {
     assert.equal(await language(page), "fr");
   });
 
-  onPage("of a refusal is the core's for the core's words", `?lang=fr#ca=0.9&al=0.9${FLAT}`, async (page) => {
-    assert.match(await page.innerText('#notice [lang="en"]'), /lies outside its sampled range/);
+  onPage("is that of a refusal, with its values", `?lang=fr#ca=0.9&al=0.9${FLAT}`, async (page) => {
+    const [, , least, most] = refusal(() => evaluation.prepare([0.9, 0.9], "direct", false)).values;
+    const said = await page.innerText("#notice p");
+    assert.equal(said, `Ca = 0.9 sort du domaine échantillonné, de ${least} à ${most}.`);
+    assert.equal(await page.locator('#notice [lang="en"]').count(), 0);
     assert.match(await page.innerText("#notice button"), /point intérieur/);
   });
 
@@ -230,7 +234,106 @@ describe("the language", () => {
   });
 });
 
+/** What a task of the module throws. */
+function refusal(task) {
+  try {
+    task();
+  } catch (error) {
+    return error;
+  }
+  throw new Error(`${task} is not refused`);
+}
+
+/** The model file with some of its bytes changed. */
+function changed(change) {
+  const file = readFileSync(MODEL);
+  return change(file) ?? file;
+}
+
+const model = await openModel();
+const evaluation = model.evaluation();
+
+/** Refusals of both modules: of queries, of model files, of outlines. */
+async function refusals() {
+  const { Model } = await loaded("capsule_wasm");
+  const { Identifier } = await loaded("capsule_identify_wasm");
+  const identifier = Identifier.open(readFileSync(MODEL));
+  const ask = (parameters, t, task = () => evaluation.volume(), extrapolate = true) => {
+    evaluation.prepare(parameters, "direct", extrapolate);
+    evaluation.goTo(t);
+    task();
+  };
+  const points = await section(0.06, 0.95);
+  const said = { half_width_um: HALF_WIDTH_UM, velocity_mm_s: 5, viscosity_pa_s: 0.8, observable: "midplane" };
+  const identify = (name, text, more) =>
+    identifier.identify(name, Buffer.from(text), JSON.stringify({ ...said, ...more }));
+  const text = pointsText(points);
+  return [
+    () => model.evaluation().volume(),
+    () => ask([0.9, 0.9], 1, undefined, false),
+    () => ask([0.13, 0.95], 1, undefined, false),
+    () => ask([Number.NaN, 0.9], 1),
+    () => ask([0.1], 1),
+    () => ask([5, 0.9], 1),
+    () => ask([0.1, 0.9], 1000),
+    () => ask([0.15, 1.1], 20),
+    () => ask([0.1, 0.9], 1, () => evaluation.outline("equator")),
+    () => ask([0.1, 0.9], 1, () => evaluation.field("heat", "centroid")),
+    () => ask([0.1, 0.9], 1, () => evaluation.silhouette(0, 2)),
+    () => Model.open(Buffer.from("no model of a capsule")),
+    () => Model.open(changed((file) => file.subarray(0, 5000))),
+    () => Model.open(changed((file) => Buffer.concat([file, Buffer.alloc(3)]))),
+    () => Model.open(changed((file) => void file.writeUInt32LE(77, 4))),
+    () => Model.open(changed((file) => void file.writeUInt32LE(1, 4))),
+    () => Model.open(changed((file) => void file.writeUInt8(file[5000] ^ 1, 5000))),
+    () => identify("a.csv", "no points"),
+    () => identify("a.csv", `${text}nine,4\n`),
+    () => identify("a.csv", "1,2,3\n4,5,6\n", { unit: "um" }),
+    () => identify("a.csv", text, { unit: "px" }),
+    () => identify("a.csv", "1,2\n3,4\n"),
+    () => identify("a.csv", "x_px,y_px\n1,2\n3,4\n"),
+    () => identify("a.csv", "1,2\n3,4\n", { unit: "um" }),
+    () => identify("a.csv", text, { half_width_um: 12 }),
+    () => identify("a.csv", pointsText(points.with(5, points[60]).with(60, points[5]))),
+    () => identify("a.csv", pointsText(points.slice(0, points.length / 2))),
+    () => identify("a.csv", pointsText(points.map(([x]) => [x, 0]))),
+    () => identify("a.png", "no picture"),
+    () => identify("a.csv", text, { viscosity_pa_s: -1 }),
+    () => identify("a.csv", text, { pixel_um: -1, unit: "px" }),
+    () => identify("a.csv", text, { velocity_mm_s: null }),
+    () => identify("a.csv", text, { viscosity: 1 }),
+    () => identifier.misfit(Float64Array.of(0.1, 0.9)),
+  ].map(refusal);
+}
+
 describe("the messages", () => {
+  test("have every reason of the core", async () => {
+    const codes = ["core/src/error.rs", "core/src/model/error.rs", "wasm/identify/src/refused.rs"].flatMap((path) => {
+      const source = readFileSync(resolve(ROOT, path), "utf8");
+      return [...source.matchAll(/=> \(\s*"([a-z-]+)",|=> "([a-z-]+)",/g)].map(([, code, name]) => code ?? name);
+    });
+    assert.ok(codes.length > 50, `${codes.length} codes`);
+    const { fr } = await messages();
+    assert.deepEqual(Object.keys(fr.refusals.core).sort(), [...new Set([...codes, "unknown-name"])].sort());
+  });
+
+  test("have the numbers of the core's words, in both languages", async () => {
+    const { en, fr } = await messages();
+    const { reason } = await messages("/src/model/refusal.ts");
+    const numbers = (text) => (text.match(/\d[\d.e-]*\d|\d/g) ?? []).sort();
+    const found = await refusals();
+    for (const { code, values, message } of found) {
+      assert.ok(code.length > 3 && message.length > 10, code);
+      const refused = { code, values, words: message };
+      assert.deepEqual(reason(en.refusals, refused), { words: message, isEnglish: true });
+      const { words, isEnglish } = reason(fr.refusals, refused);
+      assert.ok(!isEnglish && words !== message, code);
+      assert.deepEqual(numbers(words), numbers(message), `${words}\n${message}`);
+      assert.doesNotMatch(words, /undefined/);
+    }
+    assert.ok(new Set(found.map(({ code }) => code)).size > 24, found.map(({ code }) => code).join(" "));
+  });
+
   test("are all used, and none is the same in both languages by mistake", async () => {
     const { en, fr } = await messages();
     const folder = resolve(EXPLORER, "src");

@@ -57,9 +57,9 @@ function assertWhole({ above, below, wide, figures, stages }, width, names) {
 describe("the figures are seen whole", () => {
   const FOUR = ["solid", "midplane", "diagonal", "transversal"];
   for (const [situation, address] of [
-    ["in English", "#ca=0.1&al=0.9&t=3"],
-    ["in French, with a notice", "?lang=fr#ca=0.13&al=0.95&t=3&extrapolate=1"],
-    ["with plots below them", "#ca=0.1&al=0.9&views=solid.midplane.diagonal.transversal.plots"],
+    ["in English", "#ca=0.1&al=0.9&t=3&initial=0"],
+    ["in French, with a notice", "?lang=fr#ca=0.13&al=0.95&t=3&extrapolate=1&initial=0"],
+    ["with plots below them", "#ca=0.1&al=0.9&initial=0&views=solid.midplane.diagonal.transversal.plots"],
   ]) {
     test(situation, async () => {
       const { page, close } = await open(address);

@@ -64,7 +64,7 @@ test("a new version is offered, and takes the place of the one before", async (c
   await kept(page);
   const model = await digest(page);
   // The same page with another model: what `cargo xtask explore` makes where CAPSULE_MODEL names one.
-  const CAPSULE_MODEL = otherModel(mkdtempSync(join(folder, "data-")));
+  const CAPSULE_MODEL = otherModel();
   const vite = resolve(EXPLORER, "node_modules/vite/bin/vite.js");
   execFileSync(process.execPath, [vite, "build", "--outDir", first, "--emptyOutDir", "--logLevel", "error"], {
     cwd: EXPLORER,

@@ -17,8 +17,8 @@ after(async () => {
   server?.stop();
 });
 
-test("1,000 random steps leave no error, an answer that is the core's, and the memory as it was", async () => {
-  const { page, errors, memory, close } = await useAtRandom(browser, `${server.url}#t=3${FLAT}`, 1000);
+test("300 random steps leave no error, an answer that is the core's, and the memory as it was", async () => {
+  const { page, errors, memory, close } = await useAtRandom(browser, `${server.url}#t=3${FLAT}`, 300);
   assert.deepEqual(errors, []);
   const megabytes = memory.map((bytes) => bytes / 2 ** 20);
   assert.ok(megabytes[0] > 1 && megabytes.at(-1) <= 1.1 * megabytes[4], `MB after each tenth: ${megabytes}`);

@@ -14,18 +14,19 @@ const TOLERANCE = { pixels: 0.002, colour: 0.15 };
 
 const QUERY = "#ca=0.08&al=0.9&t=3";
 const OUTLINE = pointsText(await section(0.06, 0.95));
+const FIGURES = "figure.view";
 const isThere = (selector) => (page) => page.waitForSelector(selector, { state: "attached" });
 
 /** Each view: its link, what it waits for, and what a narrow picture shows of the page. */
 const VIEWS = {
   map: ["&layer=axial_length&views=midplane", isThere("#map .contour"), ".query"],
-  sections: ["&views=midplane.diagonal.transversal", isThere("#track .trace:not([d=''])"), "#figures"],
-  plots: ["&views=plots", isThere(".plot:last-child .curve.live[d^=M]"), "#figures"],
-  space: ["&views=solid&colour=tension_1&clip=y", isThere("#solid[data-rendered=true]"), "#figures"],
+  sections: ["&views=midplane.diagonal.transversal", isThere("#track .trace:not([d=''])"), FIGURES],
+  plots: ["&views=plots", isThere(".plot:last-child .curve.live[d^=M]"), FIGURES],
+  space: ["&views=solid&colour=tension_1&clip=y", isThere("#solid[data-rendered=true]"), FIGURES],
   comparison: [
     "&views=midplane&pins=A:direct:0.1,0.9;B:paper:0.05,0.8",
     isThere("#compare:not([hidden]) .distance"),
-    "#figures",
+    FIGURES,
   ],
   identification: [
     `&views=midplane.measured${SETUP}`,
@@ -34,10 +35,18 @@ const VIEWS = {
       await identified(page);
       await isThere("#map .region-of")(page);
     },
-    "#figures",
+    FIGURES,
   ],
 };
 const SIZES = { wide: { width: 1366, height: 768 }, narrow: { width: 394, height: 852 } };
+
+/** Runs in the page: the strip across the window that holds all parts that are shown. */
+function around(selector) {
+  const parts = [...document.querySelectorAll(selector)].filter((part) => part.checkVisibility());
+  const boxes = parts.map((part) => part.getBoundingClientRect());
+  const [top, bottom] = [Math.min(...boxes.map((box) => box.top)), Math.max(...boxes.map((box) => box.bottom))];
+  return { x: 0, y: top + window.scrollY, width: window.innerWidth, height: bottom - top };
+}
 
 /** Takes the pictures of a view at half the size: their names, and screenshots in PNG. */
 async function* pictures(browser, url, view) {
@@ -56,8 +65,9 @@ async function* pictures(browser, url, view) {
       // Results of the gaps between frames are there as well.
       await page.waitForTimeout(500);
       await settled(page);
-      const target = size === "wide" ? page : page.locator(part);
-      yield [`${view}-${size}-${colorScheme}.webp`, await target.screenshot({ animations: "disabled" })];
+      const clip = size === "wide" ? undefined : await page.evaluate(around, part);
+      const picture = await page.screenshot({ animations: "disabled", ...(clip && { clip, fullPage: true }) });
+      yield [`${view}-${size}-${colorScheme}.webp`, picture];
     }
   }
   await close();

@@ -2,15 +2,12 @@
 // shown.
 
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
 import { describe, test } from "node:test";
-import { explorer, openModel, otherModel, predict, predictFields, settled } from "./support.mjs";
+import { explorer, membraneChanged, openModel, otherModel, predict, predictFields, settled } from "./support.mjs";
 
-// A small picture, since an emulated graphics card draws it.
+// A small picture of one surface, since an emulated graphics card draws it.
 const { open, onPage } = explorer({ viewport: { width: 720, height: 560 } });
-const SOLID = "&views=solid";
+const SOLID = "&views=solid&initial=0";
 /** Without the bars, one of which would lie over a part of the picture. */
 const ALONE = "?controls=none";
 
@@ -18,7 +15,25 @@ const state = (page) => page.evaluate(() => window.capsuleExplorer.state);
 const rendered = (page) => page.waitForFunction(() => document.querySelector("#solid").dataset.rendered === "true");
 const extremes = (page) =>
   page.$eval("#field", ({ dataset }) => [Number(dataset.least), Number(dataset.most)].map(Math.fround));
+/** The colours that can be chosen. */
+const offered = (page) =>
+  page.$$eval("#colour option", (all) => all.filter(({ hidden }) => !hidden).map(({ value }) => value));
 const range = (values) => [Math.min(...values), Math.max(...values)].map(Math.fround);
+
+/** Before the page's own program: counts the fields that the module is asked for. */
+function countFields() {
+  const { instantiateStreaming } = WebAssembly;
+  window.asked = 0;
+  WebAssembly.instantiateStreaming = async (...source) => {
+    const { module, instance } = await instantiateStreaming(...source);
+    const { evaluation_field } = instance.exports;
+    const counted = (...words) => {
+      window.asked++;
+      return evaluation_field(...words);
+    };
+    return { module, instance: { exports: { ...instance.exports, evaluation_field: counted } } };
+  };
+}
 
 /** Lengths of vectors x, y, z, given by columns. */
 const lengths = (columns) => Array.from(columns[0], (_, i) => Math.hypot(...columns.map((column) => column[i])));
@@ -138,20 +153,7 @@ describe("the colours", () => {
   );
 
   test("cost nothing where they are not shown", async () => {
-    const { page, close } = await open("#views=midplane");
-    await page.addInitScript(() => {
-      const { instantiateStreaming } = WebAssembly;
-      window.asked = 0;
-      WebAssembly.instantiateStreaming = async (...source) => {
-        const { module, instance } = await instantiateStreaming(...source);
-        const { evaluation_field } = instance.exports;
-        const counted = (...words) => {
-          window.asked++;
-          return evaluation_field(...words);
-        };
-        return { module, instance: { exports: { ...instance.exports, evaluation_field: counted } } };
-      };
-    });
+    const { page, close } = await open("#views=midplane", { before: countFields });
     const asked = async (address) => {
       await page.goto("about:blank");
       await page.goto(address);
@@ -171,25 +173,33 @@ describe("the colours", () => {
     await close();
   });
 
-  onPage("are those that a model of other data has", "#t=1", async (page) => {
-    const folder = mkdtempSync(join(tmpdir(), "capsule-"));
-    try {
-      await page.setInputFiles("#model-file", otherModel(folder));
-      await page.waitForFunction(() => document.body.dataset.model === "other");
-      await settled(page);
-      const offered = await page.$$eval("#colour option", (all) => all.filter((o) => !o.hidden).map((o) => o.value));
-      assert.deepEqual(offered, ["none", "displacement", "velocity"]);
-      await page.selectOption("#colour", "velocity");
-      await rendered(page);
-      await page.waitForFunction(() => !document.querySelector("#field").hidden);
-      assert.match(await page.getAttribute("#field svg", "aria-label"), /Velocity in the laboratory frame/);
-      // A link may ask for mechanics, which no stress-free state is known for.
-      await page.evaluate(() => window.capsuleExplorer.set({ colour: "tension_1" }));
-      await settled(page);
-      assert.equal(await page.isVisible("#field"), false);
-    } finally {
-      rmSync(folder, { recursive: true });
-    }
+  onPage("are those that a model of other data has", `#t=1${SOLID}`, async (page) => {
+    await page.setInputFiles("#model-file", otherModel());
+    await page.waitForFunction(() => document.body.dataset.model === "other");
+    await settled(page);
+    assert.deepEqual(await offered(page), ["none", "displacement", "velocity"]);
+    await page.selectOption("#colour", "velocity");
+    await rendered(page);
+    await page.waitForFunction(() => !document.querySelector("#field").hidden);
+    assert.match(await page.getAttribute("#field svg", "aria-label"), /Velocity in the laboratory frame/);
+    // A link may ask for mechanics, which is not known without a stress-free state.
+    await page.evaluate(() => window.capsuleExplorer.set({ colour: "tension_1" }));
+    await settled(page);
+    assert.equal(await page.isVisible("#field"), false);
+  });
+
+  onPage("are no tensions of a membrane with another law", `#t=1${SOLID}`, async (page) => {
+    const buffer = membraneChanged("some-law-01", 2.5e-3);
+    const evaluation = (await openModel(buffer)).evaluation();
+    evaluation.prepare([0.1, 0.9], "direct", false);
+    assert.throws(() => evaluation.field("tension_1", "centroid"), { code: "unsupported-reference" });
+    await page.setInputFiles("#model-file", { name: "own.crom", mimeType: "application/octet-stream", buffer });
+    await page.waitForFunction(() => document.querySelector("#model").textContent.includes("some-law-01"));
+    await settled(page);
+    assert.deepEqual(await offered(page), ["none", "displacement", "velocity"]);
+    await page.evaluate(() => window.capsuleExplorer.set({ colour: "tension_1" }));
+    await settled(page);
+    assert.equal(await page.isVisible("#field"), false);
   });
 });
 

@@ -2,19 +2,21 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
+import { crc32 } from "node:zlib";
 import { chromium } from "playwright-core";
 import { serveFolder } from "./static-server.mjs";
 
 export const ROOT = resolve(import.meta.dirname, "../..");
 export const EXPLORER = resolve(ROOT, "wasm/explorer");
+const TARGET = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target");
 /** The built page. */
 export const DIST = resolve(EXPLORER, "dist");
 /** Debian's Chromium, or another executable. */
-const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const ARGUMENTS = [
   "--no-sandbox",
   "--disable-quic",
@@ -34,11 +36,17 @@ export const MODEL = resolve(ROOT, process.env.CAPSULE_MODEL ?? "models/capsule.
 /** The WebAssembly module, as `cargo xtask explore --build-only` builds it. */
 export const WASM = resolve(EXPLORER, "src/wasm");
 
-/** The model, opened by that module in Node. */
-export async function openModel() {
-  const { initSync, Model } = await import(resolve(WASM, "capsule_wasm.js"));
-  initSync({ module: readFileSync(resolve(WASM, "capsule_wasm_bg.wasm")) });
-  return Model.open(readFileSync(MODEL));
+/** What a module of the page exports, in Node. */
+export async function loaded(name) {
+  const module = await import(resolve(WASM, `${name}.js`));
+  module.initSync({ module: readFileSync(resolve(WASM, `${name}_bg.wasm`)) });
+  return module;
+}
+
+/** A model, by default the shipped one, opened by that module in Node. */
+export async function openModel(file = readFileSync(MODEL)) {
+  const { Model } = await loaded("capsule_wasm");
+  return Model.open(file);
 }
 
 export { QUANTITIES } from "../../wasm/explorer/src/app/quantities.js";
@@ -48,12 +56,14 @@ export const FLAT = "&views=midplane.diagonal.transversal";
 
 /**
  * A server and a browser for the tests of one file. `open` opens the page at an address relative to the server's;
- * `onPage` defines a test that drives a fresh page, and fails if the console reports an error. The options of
- * `openPage` may be given for all.
+ * `onPage` defines a test that drives a page, and fails if the console reports an error. The options of `openPage` may
+ * be given for all. A page that was closed is opened again for the next test with the same options, which takes half
+ * the time of a new one.
  */
 export function explorer(standard = {}) {
   let browser;
   let server;
+  const closed = new Map();
   before(async () => {
     server = await serve();
     browser = await startBrowser();
@@ -62,7 +72,18 @@ export function explorer(standard = {}) {
     await browser?.close();
     server?.stop();
   });
-  const open = (address = "", options = {}) => openPage(browser, server.url + address, { ...standard, ...options });
+  const open = async (address = "", more = {}) => {
+    const options = { ...standard, ...more };
+    if (options.before) return openPage(browser, server.url + address, options);
+    const key = JSON.stringify(options);
+    const made = closed.get(key)?.pop() ?? (await newPage(browser, options));
+    await made.show(server.url + address);
+    const close = async () => {
+      await made.forget();
+      closed.set(key, [...(closed.get(key) ?? []), made]);
+    };
+    return { ...made, close };
+  };
   const onPage = (name, address, drive, options) =>
     test(name, async () => {
       const { page, errors, close } = await open(address, options);
@@ -94,8 +115,16 @@ export function serve() {
  * those of a context, `isKept`: whether the browser may keep the page for use without a network, and `before`: what
  * runs in it before its own program.
  */
-export async function openPage(browser, address, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+export async function openPage(browser, address, options) {
+  const { show, ...opened } = await newPage(browser, options);
+  await show(address);
+  return opened;
+}
+
+/** A page of these options, which `show` opens at an address, and which `forget` leaves as if it had just been made. */
+async function newPage(browser, options = {}) {
+  const { viewport = { width: 1440, height: 900 } } = options;
+  const context = await browser.newContext({ ...options, viewport });
   // A page that is kept by the browser would ask neither the server nor the routes of a test.
   if (options.before) await context.addInitScript(options.before);
   if (!options.isKept) await context.addInitScript(() => delete Navigator.prototype.serviceWorker);
@@ -105,10 +134,21 @@ export async function openPage(browser, address, options = {}) {
   page.on("console", (message) => {
     if (message.type() === "error") errors.push(message.text());
   });
-  await page.goto(address);
-  await page.waitForFunction(() => document.body.dataset.status !== "loading");
-  await settled(page);
-  return { page, errors, close: () => context.close() };
+  const show = async (address) => {
+    await page.goto(address);
+    await page.waitForFunction(() => document.body.dataset.status !== "loading");
+    await settled(page);
+  };
+  const forget = async () => {
+    for (const other of context.pages()) if (other !== page) await other.close();
+    await page.evaluate(() => window.localStorage.clear());
+    await page.goto("about:blank");
+    await page.mouse.move(0, 0);
+    await page.setViewportSize(viewport);
+    await page.emulateMedia({ colorScheme: options.colorScheme ?? "light" });
+    errors.length = 0;
+  };
+  return { page, errors, show, forget, close: () => context.close() };
 }
 
 /** Waits until the frame after the latest change has been drawn. */
@@ -125,12 +165,15 @@ export function figures(page) {
 
 /** Runs the native `capsule-rom` and returns its output; throws with its message. CAPSULE_ROM names the program. */
 export function capsuleRom(options) {
-  const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
-  const program = process.env.CAPSULE_ROM ?? built;
+  return execFileSync(capsuleRomPath(), options.map(String), { encoding: "utf8", stdio: "pipe" });
+}
+
+function capsuleRomPath() {
+  const program = process.env.CAPSULE_ROM ?? join(TARGET, "debug/capsule-rom");
   if (!existsSync(program)) {
     throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
   }
-  return execFileSync(program, options.map(String), { encoding: "utf8", stdio: "pipe" });
+  return program;
 }
 
 /** The native core's answer: the JSON of `capsule-rom predict`. */
@@ -155,8 +198,39 @@ export function predictFields(ca, confinement, t, method) {
   }
 }
 
-/** Builds a model of "other people's data", series over ca and al, in a folder; returns its path. */
-export function otherModel(folder) {
+/** The model file with another law, of as many letters, and another bending stiffness of the membrane. */
+export function membraneChanged(law, stiffness) {
+  const HEADER = 16;
+  const file = readFileSync(MODEL);
+  const place = file.indexOf("neo-Hookean");
+  file.write(law, place);
+  const number = Buffer.alloc(8);
+  number.writeDoubleLE(1e-4);
+  file.writeDoubleLE(stiffness, file.indexOf(number, place));
+  // In the header only the checksum of the payload changes.
+  file.writeUInt32LE(crc32(file.subarray(HEADER)), HEADER - 4);
+  return file;
+}
+
+/** A model of "other people's data", series over ca and al: built once for all files with tests; returns its path. */
+export function otherModel() {
+  const made = [capsuleRomPath(), MODEL].map((file) => Math.round(statSync(file).mtimeMs));
+  const folder = join(TARGET, "browser-tests");
+  const path = join(folder, `other-${made.join("-")}.crom`);
+  if (existsSync(path)) return path;
+  mkdirSync(folder, { recursive: true });
+  const work = mkdtempSync(join(folder, "other-"));
+  try {
+    // Two files with tests may build it at a time.
+    renameSync(buildOther(work), path);
+  } finally {
+    rmSync(work, { recursive: true });
+  }
+  return path;
+}
+
+/** Builds that model in a folder. */
+function buildOther(folder) {
   const rows = ["series,ca,al"];
   for (const ca of [0.04, 0.06, 0.08]) {
     for (const al of [0.8, 0.85, 0.9]) {

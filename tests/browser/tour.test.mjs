@@ -54,7 +54,8 @@ for (const [name, viewport] of [
         const box = await page.locator("#tour").boundingBox();
         assert.ok(box.x >= 0 && box.x + box.width <= viewport.width, `step ${i}: ${JSON.stringify(box)}`);
         assert.ok(box.y >= 0 && box.y + box.height <= viewport.height, `step ${i}: ${JSON.stringify(box)}`);
-        const { violations } = await page.evaluate(() => window.axe.run(document));
+        // The page around it has checks of its own.
+        const { violations } = await page.evaluate(() => window.axe.run("#tour"));
         assert.deepEqual(
           violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" | ")}`),
           [],

@@ -71,7 +71,8 @@ impl Evaluation {
     ) -> Result<Vec<f32>, Refusal> {
         known(quantity)?;
         if count == 0 {
-            return Err(Refusal::new("parameter-count", "a set has at least one parameter"));
+            let expected = self.shared.core().parameters().len();
+            return Err(EvaluateError::ParameterCount { expected, found: 0 }.into());
         }
         self.go_to(t);
         let mut value = |set: &[f64]| {
@@ -99,10 +100,7 @@ fn known(quantity: &str) -> Result<(), Refusal> {
     if QUANTITIES.contains(&quantity) {
         return Ok(());
     }
-    let names = QUANTITIES.join(", ");
-    Err(Refusal::unknown(format!(
-        "read-out {quantity:?} is unknown; there are {names}"
-    )))
+    Err(Refusal::unknown("read-out", quantity, &QUANTITIES))
 }
 
 fn read(instant: &mut Instant<'_, '_, f32>, quantity: &str) -> Result<f32, EvaluateError> {

@@ -65,11 +65,7 @@ impl Evaluation {
         let method = match method {
             "direct" => Method::Direct,
             "paper" => Method::Paper,
-            other => {
-                return Err(Refusal::unknown(format!(
-                    "method {other:?} is unknown; there are direct and paper"
-                )));
-            }
+            other => return Err(Refusal::unknown("method", other, &["direct", "paper"])),
         };
         let expected = self.shared.core().parameters().len();
         let found = parameters.len();
@@ -81,7 +77,7 @@ impl Evaluation {
         };
         let model = self.shared.core();
         let prepared = Evaluator::new(model, &mut self.workspace)?.prepare(&query);
-        let domain = prepared.map_err(|error| Refusal::new(error.name(), model.describe(error).to_string()))?;
+        let domain = prepared.map_err(|error| Refusal::of_query(error, model))?;
         self.query = Some(query);
         Ok(domain.name().to_owned())
     }

@@ -6,7 +6,16 @@ use capsule_core::{EvaluateError, Frame, Instant, Nodes, Scene};
 use capsule_refusal::Refusal;
 use wasm_bindgen::prelude::*;
 
-const FIELDS: &str = "displacement, velocity, stretch_1, stretch_2, tension_1, tension_2, energy_density and load";
+const FIELDS: [&str; 8] = [
+    "displacement",
+    "velocity",
+    "stretch_1",
+    "stretch_2",
+    "tension_1",
+    "tension_2",
+    "energy_density",
+    "load",
+];
 
 #[wasm_bindgen]
 impl Evaluation {
@@ -18,19 +27,15 @@ impl Evaluation {
     /// - "energy_density": elastic energy per stress-free area, in G_s;
     /// - "load": magnitude of the load of the fluid on the membrane, in mu V / l.
     ///
-    /// A model that is not one of a capsule in the channel has the first two.
+    /// A model without mechanics ([`Model::has_mechanics`](crate::Model::has_mechanics)) has the first two.
     ///
     /// # Errors
-    /// As [`Evaluation::readings`]; an unknown name; mechanics of a model whose stress-free state is not known.
+    /// As [`Evaluation::readings`]; an unknown name; mechanics of a model without.
     pub fn field(&mut self, name: &str, frame: &str) -> Result<Vec<f32>, Refusal> {
         let frame = match frame {
             "laboratory" => Frame::Laboratory,
             "centroid" => Frame::Centroid,
-            other => {
-                return Err(Refusal::unknown(format!(
-                    "frame {other:?} is unknown; there are laboratory and centroid"
-                )));
-            }
+            other => return Err(Refusal::unknown("frame", other, &["laboratory", "centroid"])),
         };
         let scene = Scene {
             nodes: Nodes::All,
@@ -48,9 +53,7 @@ impl Evaluation {
             "tension_2" => self.mechanics(|at, _| Ok(at.tensions()[1])),
             "energy_density" => self.mechanics(|at, _| Ok(at.energy_density())),
             "load" => self.mechanics(|at, capillary_number| at.load(capillary_number).map(length)),
-            other => Err(Refusal::unknown(format!(
-                "field {other:?} is unknown; there are {FIELDS}"
-            ))),
+            other => Err(Refusal::unknown("field", other, &FIELDS)),
         }
     }
 
@@ -58,7 +61,7 @@ impl Evaluation {
     /// nodes, one after another; then x, y, z of direction_1, direction_2 and load of all nodes.
     ///
     /// # Errors
-    /// As [`Evaluation::readings`]; a model whose stress-free state is not known.
+    /// As [`Evaluation::readings`]; a model without mechanics.
     pub fn membrane(&mut self) -> Result<Vec<f32>, Refusal> {
         let nodes = self.mechanics(|at, capillary_number| {
             let ([stretch_1, stretch_2], [tension_1, tension_2]) = (at.stretches(), at.tensions());

@@ -147,6 +147,12 @@ impl Model {
         }
     }
 
+    /// Whether the mechanics of the membrane is known: stretches, tensions, energy and load.
+    #[wasm_bindgen(getter, js_name = hasMechanics)]
+    pub fn has_mechanics(&self) -> bool {
+        self.shared.core().has_mechanics()
+    }
+
     /// Whether the model has the two section outlines.
     #[wasm_bindgen(getter, js_name = hasOutlines)]
     pub fn has_outlines(&self) -> bool {

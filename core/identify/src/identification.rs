@@ -3,6 +3,7 @@
 use crate::domain::Side;
 use crate::measurement::Direction;
 use crate::profile::Interval;
+use core::fmt;
 
 /// A quantity with its intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,33 +52,34 @@ impl Verdict {
         }
     }
 
-    /// The meaning and a remedy, in a sentence.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Self::Identified => "one answer, with closed intervals",
-            Self::Bounded => {
-                "the interval reaches the edge of the sampled domain, beyond which nothing is known: it is a bound"
-            }
-            Self::SeveralSolutions => {
+    /// The meaning and a remedy, in a sentence; `law` is the model's membrane law.
+    pub fn text(self, law: &str) -> impl fmt::Display + use<'_> {
+        fmt::from_fn(move |f| match self {
+            Self::Identified => f.write_str("one answer, with closed intervals"),
+            Self::Bounded => f.write_str(
+                "the interval reaches the edge of the sampled domain, beyond which nothing is known: it is a bound",
+            ),
+            Self::SeveralSolutions => f.write_str(
                 "another capsule fits as well, beyond the border at which the rear buckles: measure the rear's depth, \
-                 the radius or the velocity too"
-            }
-            Self::OutsideDomain => {
+                 the radius or the velocity too",
+            ),
+            Self::OutsideDomain => f.write_str(
                 "the best fit lies at the edge of the sampled domain and the data ask for more: the numbers are no \
-                 answer"
-            }
-            Self::Undetermined => "the data do not determine Ca and a/l: measure more",
-            Self::NotSuchACapsule => {
-                "the outline differs from that of any neo-Hookean capsule on the axis of a square channel by more than \
-                 its noise and the model's error: the numbers are no answer"
-            }
-            Self::ScaleInconsistent => {
-                "the scale or the edge would have to be three deviations off: check scale, half width and threshold"
-            }
-            Self::FramesDiffer => {
-                "the frames differ by more than their noise: they do not show one capsule, or it is not steady"
-            }
-        }
+                 answer",
+            ),
+            Self::Undetermined => f.write_str("the data do not determine Ca and a/l: measure more"),
+            Self::NotSuchACapsule => write!(
+                f,
+                "the outline differs from that of any capsule with a {law} membrane on the axis of a square channel \
+                 by more than its noise and the model's error: the numbers are no answer"
+            ),
+            Self::ScaleInconsistent => f.write_str(
+                "the scale or the edge would have to be three deviations off: check scale, half width and threshold",
+            ),
+            Self::FramesDiffer => f.write_str(
+                "the frames differ by more than their noise: they do not show one capsule, or it is not steady",
+            ),
+        })
     }
 }
 

@@ -67,7 +67,7 @@ Examples:
   capsule-rom predict --model data.crom --parameters '\"Q, flow\"=1.2' --parameters G=0.4 --t 0.5,1
 
 Capsules in the channel are computed in single precision: the same bits as in the browser and on a microcontroller. \
-expected_error is the distance to the full-order model (neo-Hookean, with the bending stiffness that the answer \
+expected_error is the distance to the full-order model (with the law and the bending stiffness that the answer \
 names) as a fraction of a: modified Hausdorff distance in the laboratory frame. 95 of 100 errors are below \
 error_bound. With --extrapolate expected_error is a guess and there is no bound. Of a model of other people's data it \
 is the mean distance of the nodes to their solution.";

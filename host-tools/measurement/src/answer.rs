@@ -21,7 +21,7 @@ pub struct Answer {
     /// Kind of answer.
     pub verdict: &'static str,
     /// The same in a sentence.
-    pub verdict_text: &'static str,
+    pub verdict_text: String,
     /// Capillary number mu V / G_s.
     pub ca: f64,
     /// The 68 % interval.
@@ -136,7 +136,7 @@ impl Answer {
         let (gs_n_per_m, gs_n_per_m_68, gs_n_per_m_95) = three(found.shear_modulus_n_per_m);
         Self {
             verdict: found.verdict.name(),
-            verdict_text: found.verdict.text(),
+            verdict_text: found.verdict.text(model.membrane_law()).to_string(),
             ca,
             ca_68,
             ca_95,

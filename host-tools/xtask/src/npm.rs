@@ -79,8 +79,11 @@ fn element(folder: &Path) -> Result<()> {
     for file in loaded(&page, &format!("{ELEMENT}.js"))? {
         copy(&page.join(&file), &dist.join(&file))?;
     }
-    copy(&page.join("capsule.crom"), &dist.join("capsule.crom"))?;
-    copy(&page.join(notices::FILE), &folder.join(notices::FILE))
+    // The script's link to the notices leads beside it.
+    for file in ["capsule.crom", notices::FILE] {
+        copy(&page.join(file), &dist.join(file))?;
+    }
+    Ok(())
 }
 
 /// Description, guide and licences of a package, whose version must be that of the workspace.

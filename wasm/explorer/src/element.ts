@@ -42,8 +42,8 @@ const FIELDS = ENTRIES.filter(([, { key }]) => key !== undefined);
  */
 export class CapsuleExplorer extends HTMLElement implements Api {
   static readonly observedAttributes = [...FIELDS.map(([, { key }]) => key ?? ""), "controls", "lang"];
-  /** Address of the shipped model; by default it lies beside the page. */
-  static shipped: URL | undefined;
+  /** The address beside which the shipped model and the notices lie; by default that of the page. */
+  static home: URL | undefined;
   static #count = 0;
   #explorer: Explorer | undefined;
 
@@ -56,9 +56,9 @@ export class CapsuleExplorer extends HTMLElement implements Api {
     // Its own language, the one that its reader chose before, that of the page around it, that of the browser.
     const around = this.parentElement?.closest<HTMLElement>("[lang]")?.lang;
     const language = languageOf(this.getAttribute("lang"), keptLanguage(), around, ...navigator.languages);
-    const { shipped } = CapsuleExplorer;
-    const file = { ...(model === null ? {} : { model }), ...(shipped === undefined ? {} : { shipped }) };
-    this.#explorer = new Explorer(this, { prefix, state, language, ...file });
+    const { home } = CapsuleExplorer;
+    const files = { ...(model === null ? {} : { model }), ...(home === undefined ? {} : { home }) };
+    this.#explorer = new Explorer(this, { prefix, state, language, ...files });
     this.#explorer.store.subscribe(() => this.dispatchEvent(new Event("statechange", { bubbles: true })));
   }
 

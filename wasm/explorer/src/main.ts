@@ -1,4 +1,3 @@
-import { SHIPPED } from "./app/explorer";
 import { CapsuleExplorer, defineElement } from "./element";
 import styles from "./style/explorer.css?inline";
 import { loadFont } from "./style/font";
@@ -8,6 +7,6 @@ const sheet = new CSSStyleSheet();
 sheet.replaceSync(styles);
 document.adoptedStyleSheets.push(sheet);
 loadFont();
-// The page around it may lie anywhere: the model is beside the script.
-CapsuleExplorer.shipped = new URL(SHIPPED, import.meta.url);
+// The page around it may lie anywhere: the model and the notices are beside the script.
+CapsuleExplorer.home = new URL(import.meta.url);
 defineElement();

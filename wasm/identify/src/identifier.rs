@@ -2,9 +2,8 @@
 
 use crate::said::Fields;
 use capsule_core::{Model, OpenError};
-use capsule_identify::{Grid, IdentifyError, Misfit, Observable};
+use capsule_identify::{Grid, Misfit, Observable};
 use capsule_measurement::{Answer, Bench, MeasurementError, Outline, Solved};
-use capsule_refusal::Refusal;
 use self_cell::self_cell;
 use serde::Serialize;
 use std::path::Path;
@@ -58,31 +57,6 @@ impl std::error::Error for Error {}
 impl From<MeasurementError> for Error {
     fn from(error: MeasurementError) -> Self {
         Self::Measurement(error)
-    }
-}
-
-impl From<Error> for Refusal {
-    fn from(error: Error) -> Self {
-        let code = match &error {
-            Error::Open(error) => error.name(),
-            Error::Measurement(error) => match error {
-                MeasurementError::Text(_) => "text",
-                MeasurementError::Picture(_) => "picture",
-                MeasurementError::Capsule { .. } => "capsule",
-                MeasurementError::Pixel(_) | MeasurementError::NoScale => "scale",
-                MeasurementError::Contour(_)
-                | MeasurementError::TooManyPoints { .. }
-                | MeasurementError::Identify(IdentifyError::Contour(_)) => "contour",
-                MeasurementError::Identify(IdentifyError::Number { .. }) => "setup",
-                MeasurementError::Model(error) | MeasurementError::Identify(IdentifyError::Model(error)) => {
-                    error.name()
-                }
-                _ => "measurement",
-            },
-            Error::Said(_) | Error::Velocities => "setup",
-            Error::NoAnswer => "no-answer",
-        };
-        Self::new(code, error.to_string())
     }
 }
 

@@ -1,8 +1,9 @@
 //! The identification of a capsule in the browser. The page loads this module when it is asked for, into a worker.
 //! Answers are those of the command `capsule-rom identify`, by the same calls; every failure is a JavaScript `Error`
-//! with the text of the crate that found it, and a name of the reason as `code`.
+//! with the text of the crate that found it, a name of the reason as `code`, and what stands in the text as `values`.
 
 mod identifier;
+mod refused;
 mod said;
 
 use capsule_refusal::Refusal;

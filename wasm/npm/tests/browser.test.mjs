@@ -94,6 +94,11 @@ describe("capsule-explorer", () => {
       const found = await page.$eval("capsule-explorer", (element) => element.read());
       assert.equal(found.axial_length, Math.fround(expected.axial_length));
       assert.equal(found.error_bound, Math.fround(expected.error_bound));
+      const notices = await page.$eval("capsule-explorer a[href$='THIRD-PARTY.txt']", async ({ href }) => {
+        const answer = await fetch(href);
+        return [answer.ok, await answer.text()];
+      });
+      assert.ok(notices[0] && notices[1].includes("wasm-bindgen"), "the notices are beside the script");
       assert.deepEqual(foreign(requests, "capsule-explorer"), []);
       assert.deepEqual(await page.$$eval("body > *", (all) => all.map(({ localName }) => localName)), [
         "capsule-explorer",

@@ -197,11 +197,11 @@ describe("refusals name what is wrong", () => {
       assertRefused(identify(model, outline, { ...SETUP, observable: "midplane", ...change }), code, words);
     await refused(TEXT, { viscosity_pa_s: undefined }, "setup", /^missing field `viscosity_pa_s`$/);
     await refused(TEXT, { velocity: 5 }, "setup", /unknown field `velocity`/);
-    await refused(TEXT, { flow_rate_ul_min: 1 }, "setup", /give one of velocity_mm_s/);
-    await refused(TEXT, { unit: "px" }, "text", /headings say um/);
-    await refused([[1, 2]], {}, "contour", /at least 12/);
-    await refused(Uint8Array.of(0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10), {}, "picture", /./);
-    await refused(TEXT, { half_width_um: 12 }, "contour", /wide/);
+    await refused(TEXT, { flow_rate_ul_min: 1 }, "setup-velocities", /give one of velocity_mm_s/);
+    await refused(TEXT, { unit: "px" }, "text-units", /headings say um/);
+    await refused([[1, 2]], {}, "contour-short", /at least 12/);
+    await refused(Uint8Array.of(0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10), {}, "picture-unreadable", /./);
+    await refused(TEXT, { half_width_um: 12 }, "contour-wide", /wide/);
   });
 
   test("of what was disposed", async () => {

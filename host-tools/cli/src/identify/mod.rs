@@ -82,10 +82,10 @@ Contours in pixels need --pixel-um. In pictures the walls give the scale. Length
 --axial-length-um 49.2,0.2 --width-um 41.6,0.2 --rear-depth-um 8.5,0.3. Points along the line of a dent behind go \
 beside the contour of a silhouette: --dent-line line.csv.
 
-The capsule flows steadily along the axis of a square channel. Its membrane is neo-Hookean, the liquids inside and \
-outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement a/l, the radius a and the surface \
-shear modulus G_s, each with the intervals that hold the true value in 68 and 95 of 100 cases, and a verdict: an \
-answer without \"identified\" is none, or a bound. Nothing is extrapolated.";
+The capsule flows steadily along the axis of a square channel. Its membrane has the model's law, neo-Hookean in the \
+shipped one; the liquids inside and outside have the same viscosity. The answer is Ca = mu V / G_s, the confinement \
+a/l, the radius a and the surface shear modulus G_s, each with the intervals that hold the true value in 68 and 95 of \
+100 cases, and a verdict: an answer without \"identified\" is none, or a bound. Nothing is extrapolated.";
 
 pub fn run(options: &Options) -> Result<()> {
     match &options.batch {

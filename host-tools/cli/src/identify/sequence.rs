@@ -47,7 +47,7 @@ struct Answer {
     drifts: bool,
     alternative: Option<Other>,
     verdict: &'static str,
-    verdict_text: &'static str,
+    verdict_text: String,
     model_digest: String,
 }
 
@@ -91,7 +91,7 @@ pub fn run(model: &Model<'_>, given: &Given, outlines: &[&Outline], transient: b
         drifts: found.drifts(),
         alternative: found.alternative.map(Other::from),
         verdict: found.verdict.name(),
-        verdict_text: found.verdict.text(),
+        verdict_text: found.verdict.text(model.membrane_law()).to_string(),
         model_digest: digest(model),
     };
     if json {

@@ -1,7 +1,7 @@
 import { type Language, wordsOf } from "../messages/languages";
-import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
 import { fetchModel, loadModule, ModelError, openFile, read } from "../model/load";
+import { text } from "../model/refusal";
 import { tieHelp } from "../panels/keys";
 import { describe } from "../panels/model-card";
 import { tieParameters } from "../panels/parameters";
@@ -18,7 +18,7 @@ import { Store } from "./store";
 import { Workbench } from "./workbench";
 
 /** The shipped model's file. */
-export const SHIPPED = "./capsule.crom";
+const SHIPPED = "./capsule.crom";
 
 /** Names of files with a measured outline. */
 const OUTLINE = /\.(csv|txt|tsv|dat|png|jpe?g|tiff?)$/i;
@@ -29,8 +29,8 @@ export interface Options {
   readonly prefix?: string;
   /** Address of the model to open first, on this server; by default the shipped one. */
   readonly model?: string;
-  /** Address of the shipped model; by default it lies beside the page. */
-  readonly shipped?: URL;
+  /** The address beside which the shipped model and the notices lie; by default that of the page. */
+  readonly home?: URL;
   /** Whether the document's address follows this explorer and the explorer follows it. */
   readonly ownsAddress?: boolean;
   /** By default English. */
@@ -44,6 +44,7 @@ export class Explorer {
   readonly root: Root;
   readonly store: Store;
   readonly workbench: Workbench;
+  readonly #home: URL;
   readonly #failure: HTMLElement;
   readonly #banner: HTMLElement;
   readonly #address: Address | undefined;
@@ -58,14 +59,8 @@ export class Explorer {
 
   constructor(element: HTMLElement, options: Options = {}) {
     const { href } = window.location;
-    const {
-      prefix = "",
-      model,
-      shipped = new URL(SHIPPED, href),
-      ownsAddress = false,
-      language = "en",
-      state = {},
-    } = options;
+    const { prefix = "", model, home = new URL(href), ownsAddress = false, language = "en", state = {} } = options;
+    this.#home = home;
     this.root = new Root(element, prefix, markup);
     this.#link = ownsAddress ? fromFragment(window.location.hash) : { state, digest: undefined, file: undefined };
     this.store = new Store({ ...DEFAULT_STATE, ...this.#link.state });
@@ -94,7 +89,8 @@ export class Explorer {
     this.#tieCopy();
     this.root.speak(() => this.#say());
     this.#speaking = this.speak(language);
-    this.#show(model === undefined ? fetchModel(shipped, true) : fetchModel(new URL(model, href), false));
+    const [address, base] = model === undefined ? [SHIPPED, home] : [model, href];
+    this.#show(fetchModel(new URL(address, base), model === undefined));
     loadModule();
   }
 
@@ -120,7 +116,7 @@ export class Explorer {
   #say(): void {
     const { capsule } = this.workbench;
     if (capsule !== undefined) {
-      describe(this.root.part("model", HTMLElement), capsule, this.root.words);
+      describe(this.root.part("model", HTMLElement), capsule, this.#home, this.root.words);
       this.#warn(capsule);
     }
     if (this.root.element.dataset.status === "failed") this.#fail(this.#failed);

@@ -22,7 +22,7 @@ export class Client {
     }
   }
 
-  /** Throws an `Error` with the words of what refuses the file. */
+  /** Throws an `Error` with the reason where the file is refused. */
   async identify(name: string, file: Uint8Array, said: Said): Promise<Found> {
     return (await this.#ask({ kind: "identify", name, file, said })) as Found;
   }
@@ -38,7 +38,7 @@ export class Client {
     return new Promise((resolve, reject) => {
       const settle = (reply: Reply) => {
         if ("failed" in reply) reject(new ProgramError(reply.failed));
-        else if ("error" in reply) reject(new Error(reply.error));
+        else if ("refusal" in reply) reject(Object.assign(new Error(reply.refusal.words), reply.refusal));
         else resolve(reply.result);
       };
       this.#waiting.set(asked.id, settle);

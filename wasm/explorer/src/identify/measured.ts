@@ -1,8 +1,8 @@
 import { toBase64 } from "../app/base64";
 import type { State } from "../app/schema";
 import type { Messages } from "../messages/en";
-import { text } from "../model/answer";
 import type { Capsule } from "../model/capsule";
+import { type Refusal, refusalOf } from "../model/refusal";
 import type { Point } from "../views/map-geometry";
 import type { Contour } from "../views/map-layer";
 import type { Context, Trace, ViewPart } from "../views/view";
@@ -20,8 +20,8 @@ const SHOWN_ROWS = 6;
 /** How many misfits of single places are kept. */
 const KEPT = 500;
 
-/** Why there is no answer: in the page's words, or in those of the core, which are English. */
-export type Problem = ((words: Messages["outline"]) => string) | string;
+/** Why there is no answer: in the page's words, or the core's reason. */
+export type Problem = ((words: Messages["outline"]) => string) | Refusal;
 
 /** A file with an outline: a text or a picture. */
 export interface OutlineFile {
@@ -197,7 +197,7 @@ function addressOf(bytes: Uint8Array): string | undefined {
 }
 
 function problemOf(error: unknown): Problem {
-  if (!(error instanceof ProgramError)) return text(error);
+  if (!(error instanceof ProgramError)) return refusalOf(error);
   const { message } = error;
   return (words) => words.programFailed(message === "" ? words.notLoaded : message);
 }

@@ -1,3 +1,5 @@
+import type { Refusal } from "../model/refusal";
+
 /** Messages between the page and its worker. */
 
 /** Information on an outline beside its file, as the module takes it. */
@@ -77,8 +79,8 @@ export interface Asked {
   readonly question: Question;
 }
 
-/** The result of the question of a number, or why there is none: the core's words, or those of a worker that broke. */
+/** The result of the question of a number, or why there is none: the core's reason, or words of a worker that broke. */
 export type Reply =
   | { readonly id: number; readonly result: Found | Float64Array | undefined }
-  | { readonly id: number; readonly error: string }
+  | { readonly id: number; readonly refusal: Refusal }
   | { readonly id: number; readonly failed: string };

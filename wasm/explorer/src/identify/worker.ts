@@ -1,4 +1,4 @@
-import { text } from "../model/answer";
+import { refusalOf } from "../model/refusal";
 import initialise, { Identifier } from "../wasm/capsule_identify_wasm";
 import wasmAddress from "../wasm/capsule_identify_wasm_bg.wasm?url";
 import type { Asked, Found, Question, Reply } from "./protocol";
@@ -29,7 +29,7 @@ self.addEventListener("message", ({ data: { id, question } }: MessageEvent<Asked
     try {
       reply = { id, result: await answer(question) };
     } catch (error) {
-      reply = { id, error: text(error) };
+      reply = { id, refusal: refusalOf(error) };
     }
     self.postMessage(reply);
   });

@@ -183,6 +183,8 @@ export const en = {
   },
   /** Why there is no model, and what would help; between backquotes is code. */
   refusals: {
+    /** By the core's name of the reason, of the values in the core's own words, which are these in English. */
+    core: {} as Record<string, (...values: string[]) => string>,
     isOutline: (file: string) =>
       `${file} is no model, and this model takes no outlines: it is not one of capsules in the channel.`,
     openChannel: "Open a .crom file, or a model of capsules in the channel first.",
@@ -331,7 +333,7 @@ export const en = {
     busy: "Identifying…",
     programFailed: (cause: string) => `The program that identifies failed: ${cause}`,
     notLoaded: "it could not be loaded; see whether the server still runs",
-    /** By the verdict's name in the core: its name here, and its meaning. */
+    /** By the verdict's name in the core: its name here, and its meaning; in English they are the core's own. */
     verdicts: {} as Record<string, readonly [name: string, meaning: string]>,
     verdict: (name: string, meaning: string) => `${name}: ${meaning}`,
     onScreen: (misfit: string) => `The capsule on screen: ${misfit}`,

@@ -1,5 +1,19 @@
 import type { Messages } from "./en";
 
+/** Parameters of a capsule in the channel, by their names in the core. */
+const PARAMETERS: Record<string, string> = { capillary_number: "Ca", confinement: "a/ℓ" };
+const parameter = (name = "") => PARAMETERS[name] ?? name;
+
+/** Values that the core names in words. */
+const VALUES: Record<string, string> = {
+  "the instant": "l’instant",
+  "the step": "le pas",
+  "the number of points": "le nombre de points",
+};
+
+/** Units of a text's numbers, by their names in the core. */
+const UNITS: Record<string, string> = { um: "µm" };
+
 /** The page's words in French. Numbers keep the decimal point, as in the files. */
 export const fr: Messages = {
   page: {
@@ -182,6 +196,114 @@ export const fr: Messages = {
     goOn: "Continuer avec ce modèle",
   },
   refusals: {
+    core: {
+      capacity: (required, limit, capacity) => `le modèle compte ${required} ${limit}, la mémoire en tient ${capacity}`,
+      value: (what, value, min, max) => `${VALUES[what] ?? what} vaut ${value} : attendu entre ${min} et ${max}`,
+      "parameter-count": (expected, found) => `le modèle a ${expected} paramètres, la requête ${found}`,
+      parameter: (name, value, min, max) => `${parameter(name)} vaut ${value} : attendu entre ${min} et ${max}`,
+      "unknown-parameter": (index, count) =>
+        `le paramètre ${index}, compté à partir de 0, n’existe pas : le modèle en a ${count}`,
+      "no-derivatives": () => "les dérivées sont celles de la méthode directe : la choisir",
+      "outside-domain": (name, value, min, max) =>
+        `${parameter(name)} = ${value} sort du domaine échantillonné, de ${min} à ${max}`,
+      "far-from-samples": (ratio) =>
+        `aucun échantillon n’est proche : l’interpolation est ${ratio} fois plus incertaine qu’en tout échantillon ` +
+        "laissé de côté",
+      "beyond-extrapolation": (distance, limit) =>
+        `la requête se trouve à ${distance} étendues de ses échantillons ; la limite est ${limit}`,
+      "beyond-steady-limit": (ca, confinement, limit) =>
+        `pas d’état stationnaire à Ca = ${ca}, a/ℓ = ${confinement} : la limite y est Ca = ${limit}`,
+      "no-bound": () =>
+        "aucune borne de l’erreur n’est connue hors du domaine échantillonné : la réponse est extrapolée",
+      "wrong-volume": (volume, min, max) =>
+        `aucune capsule n’a la forme extrapolée : son volume vaut ${volume} fois celui d’une sphère de rayon a, ` +
+        `attendu entre ${min} et ${max} ; rester plus près du domaine échantillonné`,
+      "beyond-wall": (reach) =>
+        `aucune capsule n’a la forme extrapolée : un nœud se trouve à ${reach} de l’axe, au-delà de la paroi à 1 ; ` +
+        "rester plus près du domaine échantillonné",
+      weights: (sum) =>
+        "les échantillons proches de la requête sont trop serrés : la somme de leurs poids vaut " +
+        `${sum} au lieu de 1`,
+      "not-prepared": () => "un instant est demandé avant toute requête",
+      "unknown-node": (node, nodes) => `le nœud ${node} n’existe pas : le maillage en a ${nodes}`,
+      "unsupported-reference": () =>
+        "la mécanique de la membrane n’est connue que pour la loi néo-hookéenne et un état sans contrainte " +
+        "sphérique, de rayon a/ℓ",
+      "stencil-too-small": (node) =>
+        `les nœuds autour du nœud ${node} ne déterminent pas de dérivées : le maillage est trop grossier`,
+      "unknown-node-set": () => "le modèle n’a pas d’ensemble de nœuds de ce nom",
+      "buffer-too-short": (found, required) => `le tampon tient ${found} valeurs, il en faut ${required}`,
+      "not-finite": () => "le résultat n’est pas fini : les paramètres sont trop loin de tous les échantillons",
+      "unknown-name": (kind, name, known) => `${kind} : « ${name} » est inconnu ; sont connus ${known}`,
+
+      truncated: (expected, found) => `le fichier est tronqué : ${expected} octets attendus, ${found} trouvés`,
+      magic: (found) => `ce n’est pas un fichier de modèle : il commence par ${found} au lieu de « CROM »`,
+      version: (found, supported) =>
+        Number(found) > Number(supported)
+          ? `le fichier est au format ${found}, cette page connaît jusqu’à ${supported} : mettre la page à jour`
+          : `le fichier est au format ${found}, cette page ne connaît que le ${supported} : reconstruire le modèle`,
+      checksum: (expected, found) => `le fichier est endommagé : CRC-32 ${expected} attendu, ${found} trouvé`,
+      undecodable: () => "le contenu du fichier ne se lit pas selon son format",
+      "trailing-bytes": (found) => `${found} octets suivent la fin du contenu`,
+      rows: (what, expected, found) => `${what} : ${expected} lignes attendues, ${found} trouvées`,
+      columns: (what, expected, found) => `${what} : ${expected} colonnes attendues, ${found} trouvées`,
+      dimension: (what, expected, found) => `${what} : ${expected} attendus, ${found} trouvés`,
+      length: (what, expected, found) =>
+        `${what} : ${expected} octets attendus d’après les dimensions, ${found} trouvés`,
+      index: (what, index, value, bound) =>
+        `${what} : l’élément ${index} vaut ${value}, attendu au-dessous de ${bound}`,
+      number: (what, index, value, expected) => `${what} : l’élément ${index} vaut ${value}, attendu : ${expected}`,
+      setting: (what, value, min, max) => `${what} vaut ${value} : attendu entre ${min} et ${max}`,
+      "no-image": (node) => `le nœud ${node} n’est pas à sa place parmi les images du secteur`,
+      "short-outline": (name) => `l’ensemble de nœuds « ${name} » a moins de 3 nœuds`,
+      "duplicate-sample": (first, second) =>
+        `les échantillons ${first} et ${second} d’un groupe ont les mêmes paramètres`,
+
+      "text-empty": () =>
+        "aucune ligne n’a deux nombres : les coordonnées des points sont attendues, un point par ligne",
+      "text-number": (line, cell) => `ligne ${line} : « ${cell} » n’est pas un nombre`,
+      "text-columns": (width, names) =>
+        `le texte a ${width} colonnes${names === "" ? "" : ` (${names})`} : il en faut deux, ou des titres qui ` +
+        "commencent par x et y",
+      "text-units": (named, given) =>
+        `les titres indiquent ${UNITS[named] ?? named} et l’unité donnée est ${UNITS[given] ?? given} : l’un des ` +
+        "deux est faux",
+      "text-unit": () => "l’unité des nombres n’est pas connue : indiquer que ce sont des µm, ou la taille d’un pixel",
+      "text-scale": () => "les nombres sont en pixels : donner la taille d’un pixel",
+      "picture-unreadable": (cause) => `l’image ne se lit ni en PNG, ni en JPEG, ni en TIFF : ${cause}`,
+      "picture-small": (width, height, least) =>
+        `l’image a ${width} x ${height} pixels : il en faut au moins ${least} de chaque côté`,
+      "picture-empty": (least) =>
+        `aucune capsule n’est visible : rien d’au moins ${least} pixels de large ne se détache du fond`,
+      "picture-border": () => "la capsule touche le bord de l’image : tout le contour doit être visible",
+      "picture-ends": () =>
+        "les deux bouts du canal diffèrent, comme si une capsule y touchait le bord de l’image : recadrer sur une " +
+        "seule capsule entière, avec du canal vide des deux côtés",
+      "picture-capsules": (count, places) =>
+        `l’image montre ${count} capsule(s) entière(s), aux pixels ${places} : en choisir une par son numéro, de 1 à ` +
+        count,
+      "picture-scale": () => "les parois ne sont pas visibles des deux côtés : donner la taille d’un pixel",
+      "contour-short": (found, least) =>
+        `le contour a ${found} points : il en faut au moins ${least}, tout autour de la capsule`,
+      "contour-long": (found, most) => `le contour a ${found} points, au plus ${most} sont pris`,
+      "contour-number": (point) => `le point ${point} du contour n’est pas un nombre fini`,
+      "contour-crossing": (first, second) =>
+        `le contour se croise, après ses points ${first} et ${second} : les points doivent se suivre autour de la ` +
+        "capsule, une seule fois",
+      "contour-wide": (width, channel) =>
+        `le contour a ${width} µm de large, le canal ${channel} µm : l’échelle, l’unité ou le demi-côté est faux`,
+      "contour-open": (share, most) =>
+        `le contour laisse ouverts ${share} % du tour : il peut en manquer au plus ${most} %`,
+      "contour-area": () => "le contour n’entoure aucune surface : ce n’est pas celui d’une capsule",
+      setup: (words) => `les données de l’expérience ne se lisent pas : ${words}`,
+      "setup-velocities": () =>
+        "donner une seule des vitesses : velocity_mm_s, flow_rate_ul_min ou capsule_velocity_mm_s",
+      "setup-pixel": (size) => `la taille d’un pixel vaut ${size} µm : un nombre positif est attendu`,
+      "setup-number": (what, value) => `${what} vaut ${value} : un nombre positif et fini est attendu`,
+      "no-fit": () => "aucune capsule du modèle n’approche le contour",
+      "no-answer": () => "il n’y a pas encore de réponse dont l’écart serait à donner",
+      measurement: (words) => `le contour n’est pas accepté : ${words}`,
+    },
     isOutline: (file) =>
       `${file} n’est pas un modèle, et le modèle ouvert n’accepte pas de contours : ce n’est pas celui d’une capsule ` +
       "dans le canal.",
@@ -356,7 +478,7 @@ export const fr: Messages = {
       undetermined: ["indéterminée", "les données ne déterminent pas Ca et a/l : mesurer davantage"],
       "not-such-a-capsule": [
         "pas une telle capsule",
-        "le contour s’écarte de celui de toute capsule néo-hookéenne sur l’axe d’un canal carré de plus que " +
+        "le contour s’écarte de celui de toute capsule du modèle, sur l’axe d’un canal carré, de plus que " +
           "son bruit et l’erreur du modèle : ces valeurs ne sont pas une réponse",
       ],
       "scale-or-channel-inconsistent": [

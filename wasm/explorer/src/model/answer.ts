@@ -2,6 +2,7 @@ import { type Frame, QUANTITIES, type Quantity, type Query } from "../app/schema
 import type { Evaluation, Model } from "../wasm/capsule_wasm";
 import type { FieldName } from "./fields";
 import { type Domain, prepare } from "./prepare";
+import { type Refusal, refusalOf } from "./refusal";
 
 export type Outline = "midplane" | "diagonal";
 
@@ -10,7 +11,7 @@ export type Validity =
   | { readonly kind: "given" }
   | { readonly kind: "extrapolated"; readonly domain: Exclude<Domain, "inside"> }
   /** `cause` says whether the parameters are refused or the shape at this instant. */
-  | { readonly kind: "refused"; readonly cause: "query" | "instant"; readonly words: string };
+  | { readonly kind: "refused"; readonly cause: "query" | "instant"; readonly reason: Refusal };
 
 /** A 95 % bound above this share of the radius makes figures look uncertain. */
 export const UNCERTAIN = 0.02;
@@ -39,12 +40,12 @@ export class Answer {
       try {
         domain = prepare(this.#evaluation, this.query);
       } catch (error) {
-        return { kind: "refused", cause: "query", words: text(error) };
+        return { kind: "refused", cause: "query", reason: refusalOf(error) };
       }
       try {
         this.#numbers();
       } catch (error) {
-        return { kind: "refused", cause: "instant", words: text(error) };
+        return { kind: "refused", cause: "instant", reason: refusalOf(error) };
       }
       return domain === "inside" ? { kind: "given" } : { kind: "extrapolated", domain };
     });
@@ -150,10 +151,4 @@ export class Answer {
     if (!this.#kept.has(key)) this.#kept.set(key, compute());
     return this.#kept.get(key) as T;
   }
-}
-
-/** The words of anything thrown, without a closing full stop, and numbers to the digits that single precision has. */
-export function text(error: unknown): string {
-  const words = error instanceof Error ? error.message : String(error);
-  return words.replace(/\.$/, "").replace(/\d+\.\d{7,}/g, (number) => String(Number(Number(number).toPrecision(6))));
 }

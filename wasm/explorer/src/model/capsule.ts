@@ -4,8 +4,8 @@ import { Answer } from "./answer";
 import { prepare } from "./prepare";
 import { type Units, unitsOf } from "./units";
 
-/** What a view may need of a model. */
-export type Need = "outlines" | "channel";
+/** What a view or a colour may need of a model. */
+export type Need = "outlines" | "channel" | "mechanics";
 
 /** A file that was opened, and the answers that the core gives with it, each computed when it is asked for. */
 export class Capsule {
@@ -28,7 +28,8 @@ export class Capsule {
   }
 
   has(need: Need): boolean {
-    return need === "outlines" ? this.model.hasOutlines : this.model.isChannel;
+    const { hasOutlines, isChannel, hasMechanics } = this.model;
+    return { outlines: hasOutlines, channel: isChannel, mechanics: hasMechanics }[need];
   }
 
   /** The names of the parameters, for people. */

@@ -35,7 +35,7 @@ export function fieldName({ fields }: Messages, field: FieldName, frame: Frame):
   return frame === "laboratory" ? fields.inLaboratory(name) : fields.toCentroid(name);
 }
 
-/** Whether a field needs the stress-free state, which is known of a capsule in the channel alone. */
+/** Whether a field is one of the mechanics of the membrane, which some models do not have. */
 export function isMechanics(field: FieldName): boolean {
   return FIELD_PRESENTATION[field].hasFrame === undefined;
 }

@@ -1,8 +1,8 @@
 import { en, type Messages } from "../messages/en";
 import initialise from "../wasm/capsule_wasm";
 import wasmAddress from "../wasm/capsule_wasm_bg.wasm?url";
-import { text } from "./answer";
 import { Capsule } from "./capsule";
+import { reason, refusalOf, text } from "./refusal";
 
 /** Why there is no model to show, and what would help: in the language in which it is asked for. */
 export class ModelError extends Error {
@@ -84,7 +84,8 @@ function open(bytes: Uint8Array, name: string, file: string | undefined): Capsul
   try {
     return new Capsule(bytes, file);
   } catch (error) {
-    throw noModel(name, () => text(error));
+    const refusal = refusalOf(error);
+    throw noModel(name, (words) => reason(words, refusal).words);
   }
 }
 

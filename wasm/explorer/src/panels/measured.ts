@@ -9,6 +9,7 @@ import { writtenMisfit } from "../identify/misfit-grid";
 import type { Answer, Ends } from "../identify/protocol";
 import type { Messages } from "../messages/en";
 import type { Need } from "../model/capsule";
+import { reason } from "../model/refusal";
 import { FitDrawing } from "../views/fit-drawing";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { MeasuredForm } from "./measured-form";
@@ -57,7 +58,11 @@ export class MeasuredView implements ViewPart {
       this.#say(words.verdict(name, meaning), meaning === answer.verdict_text);
     } else if (file === undefined) this.#say(words.use);
     else if (isBusy || problem === undefined) this.#say(words.busy);
-    else this.#say(typeof problem === "string" ? problem : problem(words), typeof problem === "string");
+    else if (typeof problem === "function") this.#say(problem(words));
+    else {
+      const { words: said, isEnglish } = reason(context.words.refusals, problem);
+      this.#say(said, isEnglish);
+    }
     if (answer !== this.#shown[0] || context.words !== this.#shown[1]) {
       this.#shown = [answer, context.words];
       this.#answer.replaceChildren(...(answer === undefined ? [] : this.#parts(answer, words)));

@@ -4,6 +4,7 @@ import type { Store } from "../app/store";
 import type { Messages } from "../messages/en";
 import type { Validity } from "../model/answer";
 import type { Capsule } from "../model/capsule";
+import { reason } from "../model/refusal";
 import type { Context, Trace, ViewPart } from "../views/view";
 import { shownTime } from "./time-axis";
 
@@ -34,27 +35,28 @@ export class Notice implements ViewPart {
     const { validity } = capsule.answer("live", live.query, state.t);
     this.#markFields(capsule, live.query.parameters, validity);
     if (validity.kind === "given") {
-      this.#say("", "", []);
+      this.#say("", undefined, []);
     } else if (validity.kind === "extrapolated") {
       const nearest = this.#nearest(capsule, state, live.query.parameters, words);
-      this.#say(words.extrapolated(words.where[validity.domain]), "", [nearest]);
+      this.#say(words.extrapolated(words.where[validity.domain]), undefined, [nearest]);
     } else {
       this.#refuse(validity, live.query.parameters, context);
     }
   }
 
   #refuse(
-    { cause, words: core }: Validity & { kind: "refused" },
+    { cause, reason: refusal }: Validity & { kind: "refused" },
     at: readonly number[],
-    { state, capsule, units, words: { notice: words } }: Context,
+    { state, capsule, units, words: { notice: words, refusals } }: Context,
   ): void {
+    const core = reason(refusals, refusal);
     const actions = [this.#nearest(capsule, state, at, words)];
     const mayExtrapolate = !capsule.has("channel") || at.every((value) => value > 0);
     if (mayExtrapolate && !state.extrapolate) {
       actions.push({ label: words.extrapolate, run: () => this.#store.set({ extrapolate: true }) });
     }
-    if (cause === "instant") this.#say(words.noAnswerAt(shownTime(state.t, state.end, units)), `${core}.`, actions);
-    else this.#say("", `${core.charAt(0).toUpperCase()}${core.slice(1)}.`, actions);
+    if (cause === "instant") this.#say(words.noAnswerAt(shownTime(state.t, state.end, units)), core, actions);
+    else this.#say("", { ...core, words: core.words.charAt(0).toUpperCase() + core.words.slice(1) }, actions);
   }
 
   #nearest(capsule: Capsule, state: State, at: readonly number[], words: Messages["notice"]): Action {
@@ -79,17 +81,19 @@ export class Notice implements ViewPart {
     });
   }
 
-  /** Says something, in the page's words and then in the core's. */
-  #say(words: string, core: string, actions: readonly Action[]): void {
+  /** Says something, and then why the core refuses. */
+  #say(words: string, core: ReturnType<typeof reason> | undefined, actions: readonly Action[]): void {
     // A live region that is written again is spoken again: leave it alone while it says the same.
-    const key = [words, core, ...actions.map((action) => action.label)].join("\n");
+    const why = core === undefined ? "" : `${core.words}.`;
+    const key = [words, why, ...actions.map((action) => action.label)].join("\n");
     if (this.#said === key) return;
     this.#said = key;
-    if (words === "" && core === "") {
+    if (key === "\n") {
       this.#element.replaceChildren();
       return;
     }
     const buttons = actions.map(({ label, run }) => button(label, run));
-    this.#element.replaceChildren(html("p", {}, words, inEnglish(core)), html("div", {}, ...buttons));
+    const said = html("p", {}, words, core?.isEnglish ? inEnglish(why) : why);
+    this.#element.replaceChildren(said, html("div", {}, ...buttons));
   }
 }

@@ -10,7 +10,8 @@ import { save } from "../export/save";
 import { toStl } from "../export/stl";
 import { toVtp } from "../export/vtp";
 import type { Messages } from "../messages/en";
-import { type Answer, text } from "../model/answer";
+import type { Answer } from "../model/answer";
+import { text } from "../model/refusal";
 import type { Context, Trace } from "../views/view";
 
 /** What the dialog takes from the explorer. */

@@ -59,7 +59,7 @@ export class SolidControls {
     this.#clip.value = clip;
     for (const option of this.#colour.options) {
       const field = COLOURS.find((value) => value === option.value) ?? "none";
-      option.hidden = field !== "none" && isMechanics(field) && !capsule.has("channel");
+      option.hidden = field !== "none" && isMechanics(field) && !capsule.has("mechanics");
     }
   }
 }

@@ -146,7 +146,7 @@ export class SolidView implements ViewPart {
 function fieldOf(traces: readonly Trace[], { state, capsule }: Context): FieldShown | undefined {
   const { colour: field, frame, range } = state;
   const answers = traces.flatMap(({ answer }) => answer ?? []);
-  if (field === "none" || answers.length === 0 || (isMechanics(field) && !capsule.has("channel"))) return undefined;
+  if (field === "none" || answers.length === 0 || (isMechanics(field) && !capsule.has("mechanics"))) return undefined;
   try {
     const extremes = extremesOf(answers.map((answer) => answer.field(field, frame)));
     const [from, to] = range;

@@ -16,10 +16,13 @@ export function svg<K extends keyof SVGElementTagNameMap>(
   return element;
 }
 
-/** Sets attributes; numbers are written to a hundredth of a pixel. */
+/** Sets the attributes that differ; numbers are written to a hundredth of a pixel. */
 export function set(element: Element, attributes: Attributes): void {
-  for (const [name, value] of Object.entries(attributes)) {
-    element.setAttribute(name, typeof value === "number" ? fixed(value) : value);
+  for (const name in attributes) {
+    const value = attributes[name] ?? "";
+    const text = typeof value === "number" ? fixed(value) : value;
+    // A browser lays out anew also what is set to what it is.
+    if (element.getAttribute(name) !== text) element.setAttribute(name, text);
   }
 }
 
@@ -44,14 +47,23 @@ export function smoothLoop(
   toX: (x: number) => number,
   toY: (y: number) => number,
 ): string {
-  const pixels = points.map(([x, y]) => [toX(x), toY(y)] as const);
-  const at = (i: number) => pixels[(i + pixels.length) % pixels.length] ?? [0, 0];
-  let text = `M${fixed(at(0)[0])} ${fixed(at(0)[1])}`;
-  for (let i = 0; i < pixels.length; i++) {
-    const [before, from, to, after] = [at(i - 1), at(i), at(i + 1), at(i + 2)];
-    const leave = [from[0] + (to[0] - before[0]) / 6, from[1] + (to[1] - before[1]) / 6] as const;
-    const reach = [to[0] - (after[0] - from[0]) / 6, to[1] - (after[1] - from[1]) / 6] as const;
-    text += `C${[...leave, ...reach, ...to].map(fixed).join(" ")}`;
+  const count = points.length;
+  const [xs, ys] = [new Float64Array(count), new Float64Array(count)];
+  for (let i = 0; i < count; i++) {
+    const [x, y] = points[i] ?? [0, 0];
+    xs[i] = toX(x);
+    ys[i] = toY(y);
+  }
+  const at = (places: Float64Array, i: number) => places[(i + count) % count] ?? 0;
+  /** A sixth of the way from the point before to the point after: the curve's direction at the point. */
+  const way = (places: Float64Array, i: number) => (at(places, i + 1) - at(places, i - 1)) / 6;
+  const [x, y] = [at(xs, 0), at(ys, 0)];
+  let text = `M${fixed(x)} ${fixed(y)}C${fixed(x + way(xs, 0))} ${fixed(y + way(ys, 0))} `;
+  for (let i = 1; i <= count; i++) {
+    const [toward, beside] = [at(xs, i), at(ys, i)];
+    const reach = `${fixed(toward - way(xs, i))} ${fixed(beside - way(ys, i))}`;
+    // After the first piece each leaves a point as the one before reached it.
+    text += `${i === 1 ? "" : "S"}${reach} ${fixed(toward)} ${fixed(beside)}`;
   }
   return `${text}Z`;
 }
