@@ -21,6 +21,11 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// A file, or the shipped model.
+    pub fn new(path: Option<PathBuf>) -> Self {
+        Self { path }
+    }
+
     /// The user's file.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
