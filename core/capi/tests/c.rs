@@ -32,8 +32,7 @@ struct Machine {
 
 /// The board that QEMU models, and the calls of the C library that QEMU answers, its output on standard output.
 const BOARD: &str = "-mthumb --specs=rdimon.specs -T examples/cortex-m/mps2.ld examples/cortex-m/start.c";
-const SEMIHOSTING: &str =
-    "-display none -serial none -monitor none \
+const SEMIHOSTING: &str = "-display none -serial none -monitor none \
      -chardev stdio,id=out -semihosting-config enable=on,target=native,chardev=out -kernel";
 
 const MACHINES: [Machine; 6] = [
@@ -380,7 +379,12 @@ fn the_examples_say_the_same_on_every_machine() {
             for (example, options) in examples.into_iter().chain([("quick_start", &direct)]) {
                 let program = build(machine.compiler, options, &package(target), example, machine.name);
                 let printed = run(command(&machine.emulator).arg(program));
-                assert_eq!(printed, said(example, &format!("beside-{}", machine.name)), "{example} on {}", machine.name);
+                assert_eq!(
+                    printed,
+                    said(example, &format!("beside-{}", machine.name)),
+                    "{example} on {}",
+                    machine.name
+                );
             }
         }
     }
