@@ -128,7 +128,7 @@ export function capsuleRom(options) {
   const built = resolve(ROOT, process.env.CARGO_TARGET_DIR ?? "target", "debug/capsule-rom");
   const program = process.env.CAPSULE_ROM ?? built;
   if (!existsSync(program)) {
-    throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
+    throw new Error(`${program} is missing: \`cargo build --package capsule-rom\` builds it`);
   }
   return execFileSync(program, options.map(String), { encoding: "utf8", stdio: "pipe" });
 }
