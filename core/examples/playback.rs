@@ -1,6 +1,6 @@
 //! Computes successive frames of one motion: all nodes, 60 frames a unit of time.
 //!
-//!     cargo run --release -p capsule-core --example playback
+//!     cargo run --release -p capsule-rom-core --example playback
 
 use capsule_core::{Evaluator, Frame, Method, Model, Playback, Query, Workspace, playback_len};
 use std::error::Error;

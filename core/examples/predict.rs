@@ -1,6 +1,6 @@
 //! Predicts the capsule at some instants: lengths, velocity, and their expected error.
 //!
-//!     cargo run -p capsule-core --example predict -- 0.10 0.90
+//!     cargo run -p capsule-rom-core --example predict -- 0.10 0.90
 
 use capsule_core::{Evaluator, MAX_PARAMETERS, Method, Model, Parameters, Query, Workspace};
 use std::error::Error;

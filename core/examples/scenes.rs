@@ -1,6 +1,6 @@
 //! Reconstructs different parts of the capsule at one instant. Each call computes only the nodes that it returns.
 //!
-//!     cargo run -p capsule-core --example scenes
+//!     cargo run -p capsule-rom-core --example scenes
 
 use capsule_core::mechanics::Stencil;
 use capsule_core::{Evaluator, Frame, MIDPLANE, Method, Model, Nodes, Query, Scene, Workspace, section};

@@ -1,7 +1,7 @@
 //! The style of a microcontroller: no heap, the model in the program's image, the workspace in a static, and buffers of
 //! fixed size. `predict` needs `core` only; `main` and the mutex stand for the firmware around it.
 //!
-//!     cargo run -p capsule-core --example static_workspace
+//!     cargo run -p capsule-rom-core --example static_workspace
 
 use capsule_core::{EvaluateError, Evaluator, Frame, MIDPLANE, Method, Model, Query, Workspace, scratch_len};
 use std::sync::{Mutex, PoisonError};

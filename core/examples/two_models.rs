@@ -2,7 +2,7 @@
 //!
 //! A workspace keeps the results of one query of one model; another model or query replaces them.
 //!
-//!     cargo run --release -p capsule-core --example two_models -- [OTHER.crom]
+//!     cargo run --release -p capsule-rom-core --example two_models -- [OTHER.crom]
 
 use capsule_core::{Evaluator, Method, Model, Query, Workspace};
 use std::error::Error;

@@ -12,6 +12,34 @@ use crate::solver::{Target, scratch_len};
 use crate::surface::playback::Playback;
 use crate::{Domain, Frame, Query, Real, Workspace};
 
+/// The capacities of the smallest [`Workspace`] that holds a model, for both methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacities {
+    /// Modes (K), the translation included.
+    pub modes: usize,
+    /// Local modes of [`Method::Paper`] (M); 0 will do for [`Method::Direct`].
+    pub local_modes: usize,
+    /// Samples that take part in a query (N).
+    pub neighbours: usize,
+}
+
+impl Capacities {
+    /// The capacities that a model needs.
+    pub fn of(model: &Model<'_>) -> Self {
+        let contents = model.contents();
+        let fields = || contents.clusters.iter().map(|cluster| &cluster.field);
+        let columns = fields().flat_map(|field| field.spans.iter().map(|span| span.parameter_modes.columns as usize));
+        let modes = fields().map(|field| field.modes.columns as usize + 1).chain(columns);
+        let paper = &contents.paper;
+        let ridge = ridge_rows(contents.metadata.parameters.len());
+        Self {
+            modes: modes.max().unwrap_or_default(),
+            local_modes: paper.displacement_rank.max(paper.velocity_rank) as usize,
+            neighbours: (contents.kernel.neighbours as usize).max(paper.neighbours as usize + ridge),
+        }
+    }
+}
+
 /// Binds a model to a workspace. Cheap to make: results stay in the workspace.
 #[derive(Debug)]
 pub struct Evaluator<

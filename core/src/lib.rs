@@ -63,7 +63,7 @@ pub use surface::playback::{Playback, playback_len};
 pub use workspace::Workspace;
 // Answers.
 pub use derivatives::Derivatives;
-pub use evaluator::Evaluator;
+pub use evaluator::{Capacities, Evaluator};
 pub use instant::Instant;
 pub use scene::{Frame, Nodes, Scene};
 pub use surface::observables::Observables;

@@ -1,6 +1,6 @@
 //! The firmware's answers under QEMU against this machine's, bit for bit. Run by its name alone, because it needs the
 //! targets (`rustup target add thumbv7em-none-eabihf thumbv8m.main-none-eabihf`) and the emulator (`apt-get install
-//! qemu-system-arm`): `cargo test -p capsule-core --test firmware`.
+//! qemu-system-arm`): `cargo test -p capsule-rom-core --test firmware`.
 
 #[path = "suite/common/mod.rs"]
 mod common;

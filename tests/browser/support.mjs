@@ -171,7 +171,7 @@ export function capsuleRom(options) {
 function capsuleRomPath() {
   const program = process.env.CAPSULE_ROM ?? join(TARGET, "debug/capsule-rom");
   if (!existsSync(program)) {
-    throw new Error(`${program} is missing: \`cargo build --package capsule-cli\` builds it`);
+    throw new Error(`${program} is missing: \`cargo build --package capsule-rom\` builds it`);
   }
   return program;
 }

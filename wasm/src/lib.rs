@@ -1,4 +1,4 @@
-//! capsule-core in the browser: a model, and its evaluations in single precision with the same bits as natively and on
+//! The core in the browser: a model, and its evaluations in single precision with the same bits as natively and on
 //! a microcontroller. Every failure is a JavaScript `Error` with the core's text, and its name of the reason as `code`.
 //!
 //! Each method computes only its own result.

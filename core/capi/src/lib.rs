@@ -1,4 +1,4 @@
-//! C interface of capsule-core, in single precision: what `include/capsule.h` says, and nothing else.
+//! C interface of capsule-rom-core, in single precision: what `include/capsule.h` says, and nothing else.
 //!
 //! No heap, no global state, no panic. The caller owns all memory: a model's file, a [`Model`] that describes it, and a
 //! [`Workspace`] for one query at a time. Every function returns a [`Status`]. Symbols carry the version of the

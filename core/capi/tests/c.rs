@@ -1,7 +1,8 @@
 //! The archives of `cargo xtask package`, used as a C programmer would: every example is built by gcc and by clang,
-//! runs under valgrind and under sanitizers, and says the same on an emulated Cortex-M4F, M7 and M33. The folders of
-//! the archives are in the environment variables CAPSULE_HOST_PACKAGE, CAPSULE_CORTEX_M_PACKAGE and
-//! CAPSULE_CORTEX_M33_PACKAGE: `cargo xtask test --only c`.
+//! runs under valgrind and under sanitizers, and says the same on emulated machines. The environment names the folder
+//! of the archives' folders (CAPSULE_PACKAGES), the target of this machine (CAPSULE_HOST), and the targets whose
+//! machines are emulated (CAPSULE_TARGETS, separated by spaces): `cargo xtask test --only c` and
+//! `cargo xtask package --check` set it.
 
 #[path = "../../tests/suite/common/mod.rs"]
 mod common;
@@ -10,52 +11,105 @@ use capsule_core::{Evaluator, Method, Model, Query, Workspace};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const EXAMPLES: [&str; 4] = ["quick_start", "instrument", "two_models", "slices"];
+const EXAMPLES: [&str; 5] = ["quick_start", "instrument", "two_models", "slices", "static_buffers"];
 /// The libraries: with both methods, and without the paper's.
 const LIBRARIES: [&str; 2] = ["lib/libcapsule.a", "lib/libcapsule_direct.a"];
 /// Output of a program for the second.
 const DIRECT: &str = "-DCAPSULE_DIRECT";
 const STRICT: [&str; 5] = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
-/// A Cortex-M, its compiler's words, its archive and its board.
-struct Board {
-    cpu: &'static str,
-    fpu: &'static str,
-    /// The variable that says where the archive is.
-    package: &'static str,
-    machine: &'static str,
-    /// Where its memory starts.
-    memory: &'static str,
+/// An emulated machine.
+struct Machine {
+    name: &'static str,
+    /// Of its archive.
+    target: &'static str,
+    compiler: &'static str,
+    /// Of the compiler, in the folder of the archive.
+    options: [&'static str; 2],
+    /// The command that runs a program, without the program.
+    emulator: [&'static str; 2],
 }
 
-const BOARDS: [Board; 3] = [
-    Board {
-        cpu: "cortex-m4",
-        fpu: "fpv4-sp-d16",
-        package: "CAPSULE_CORTEX_M_PACKAGE",
-        machine: "mps2-an386",
-        memory: "--defsym=EXTERNAL=0x21000000",
+/// The board that QEMU models, and the calls of the C library that QEMU answers, its output on standard output.
+const BOARD: &str = "-mthumb --specs=rdimon.specs -T examples/cortex-m/mps2.ld examples/cortex-m/start.c";
+const SEMIHOSTING: &str = "-display none -serial none -monitor none \
+     -chardev stdio,id=out -semihosting-config enable=on,target=native,chardev=out -kernel";
+
+const MACHINES: [Machine; 6] = [
+    Machine {
+        name: "cortex-m4f",
+        target: "thumbv7em-none-eabihf",
+        compiler: "arm-none-eabi-gcc",
+        options: ["-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16", BOARD],
+        emulator: ["qemu-system-arm -M mps2-an386 -cpu cortex-m4", SEMIHOSTING],
     },
-    Board {
-        cpu: "cortex-m7",
-        fpu: "fpv5-sp-d16",
-        package: "CAPSULE_CORTEX_M_PACKAGE",
-        machine: "mps2-an500",
-        memory: "--defsym=EXTERNAL=0x60000000",
+    Machine {
+        name: "cortex-m7",
+        target: "thumbv7em-none-eabihf",
+        compiler: "arm-none-eabi-gcc",
+        options: [
+            "-mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-sp-d16 -Wl,--defsym=EXTERNAL=0x60000000",
+            BOARD,
+        ],
+        emulator: ["qemu-system-arm -M mps2-an500 -cpu cortex-m7", SEMIHOSTING],
     },
-    Board {
-        cpu: "cortex-m33",
-        fpu: "fpv5-sp-d16",
-        package: "CAPSULE_CORTEX_M33_PACKAGE",
-        machine: "mps2-an505",
-        memory: "--defsym=EXTERNAL=0x80000000,--defsym=CODE=0x10000000,--defsym=DATA=0x38000000",
+    Machine {
+        name: "cortex-m33",
+        target: "thumbv8m.main-none-eabihf",
+        compiler: "arm-none-eabi-gcc",
+        options: [
+            "-mcpu=cortex-m33 -mfloat-abi=hard -mfpu=fpv5-sp-d16 \
+             -Wl,--defsym=EXTERNAL=0x80000000,--defsym=CODE=0x10000000,--defsym=DATA=0x38000000",
+            BOARD,
+        ],
+        emulator: ["qemu-system-arm -M mps2-an505 -cpu cortex-m33", SEMIHOSTING],
+    },
+    Machine {
+        name: "cortex-m4",
+        target: "thumbv7em-none-eabi",
+        compiler: "arm-none-eabi-gcc",
+        options: ["-mcpu=cortex-m4 -mfloat-abi=soft", BOARD],
+        emulator: ["qemu-system-arm -M mps2-an386 -cpu cortex-m4", SEMIHOSTING],
+    },
+    Machine {
+        name: "rv32imac",
+        target: "riscv32imac-unknown-none-elf",
+        compiler: "riscv64-unknown-elf-gcc",
+        options: [
+            "-march=rv32imac -mabi=ilp32 --specs=picolibc.specs --oslib=semihost --crt0=hosted",
+            "-Wl,--defsym=__flash=0x80000000,--defsym=__flash_size=4M,--defsym=__ram=0x80400000,--defsym=__ram_size=4M",
+        ],
+        emulator: ["qemu-system-riscv32 -M virt -bios none", SEMIHOSTING],
+    },
+    Machine {
+        name: "aarch64",
+        target: "aarch64-unknown-linux-gnu",
+        compiler: "aarch64-linux-gnu-gcc",
+        options: ["-static", ""],
+        emulator: ["qemu-aarch64", ""],
     },
 ];
 
-fn package(variable: &str) -> PathBuf {
-    std::env::var_os(variable)
-        .unwrap_or_else(|| panic!("{variable} is not set: `cargo xtask test --only c`"))
-        .into()
+fn variable(name: &str) -> String {
+    std::env::var(name).unwrap_or_else(|_| panic!("{name} is not set: `cargo xtask test --only c`"))
+}
+
+/// The folder of an archive.
+fn package(target: &str) -> PathBuf {
+    let name = format!("capsule-rom-{}-{target}", env!("CARGO_PKG_VERSION"));
+    Path::new(&variable("CAPSULE_PACKAGES")).join(name)
+}
+
+fn host_package() -> PathBuf {
+    package(&variable("CAPSULE_HOST"))
+}
+
+/// A command that is written with spaces between its words.
+fn command(line: &[&str]) -> Command {
+    let mut words = line.iter().flat_map(|part| part.split_whitespace());
+    let mut command = Command::new(words.next().expect("a program"));
+    command.args(words);
+    command
 }
 
 /// Output of a program, which must succeed.
@@ -72,43 +126,33 @@ fn run(command: &mut Command) -> String {
 }
 
 /// Builds an example of a package; returns the program.
-fn build(compiler: &str, options: &[&str], package: &Path, example: &str, name: &str, last: &[PathBuf]) -> PathBuf {
+fn build(compiler: &str, options: &[&str], package: &Path, example: &str, name: &str) -> PathBuf {
     let [both, direct] = LIBRARIES;
     let library = if options.contains(&DIRECT) { direct } else { both };
-    build_with(library, compiler, options, package, example, name, last)
+    build_with(library, compiler, options, package, example, name)
 }
 
 /// Builds an example of a package with a library.
-fn build_with(
-    library: &str,
-    compiler: &str,
-    options: &[&str],
-    package: &Path,
-    example: &str,
-    name: &str,
-    last: &[PathBuf],
-) -> PathBuf {
+fn build_with(library: &str, compiler: &str, options: &[&str], package: &Path, example: &str, name: &str) -> PathBuf {
     // A second model that is not the first.
     let second = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("family-{name}-{example}.crom"));
     std::fs::write(&second, common::Family::new(3).file()).unwrap();
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{example}-{name}"));
     run(Command::new(compiler)
+        .current_dir(package)
         .args(STRICT)
         .args(options)
-        .arg(format!("-I{}", package.join("include").display()))
-        .arg(format!("-DMODEL=\"{}\"", package.join("models/capsule.crom").display()))
+        .args(["-Iinclude", "-DMODEL=\"models/capsule.crom\""])
         .arg(format!("-DSECOND_MODEL=\"{}\"", second.display()))
-        .args([format!("examples/{example}.c"), "examples/model.S".to_owned()].map(|file| package.join(file)))
-        .args(last)
-        .arg(package.join(library))
-        .arg("-Wl,--gc-sections")
+        .arg(format!("examples/{example}.c"))
+        .args(["examples/model.S", library, "-Wl,--gc-sections"])
         .arg("-o")
         .arg(&program));
     program
 }
 
 fn on_host(compiler: &str, options: &[&str], example: &str, name: &str) -> PathBuf {
-    build(compiler, options, &package("CAPSULE_HOST_PACKAGE"), example, name, &[])
+    build(compiler, options, &host_package(), example, name)
 }
 
 /// Output of the example without a debugger.
@@ -122,7 +166,7 @@ fn gcc_and_clang_and_what_the_core_answers() {
         let by_clang = run(&mut Command::new(on_host("clang", &["-O2"], example, "clang")));
         assert_eq!(said(example, "gcc"), by_clang, "{example}");
     }
-    let file = std::fs::read(package("CAPSULE_HOST_PACKAGE").join("models/capsule.crom")).unwrap();
+    let file = std::fs::read(host_package().join("models/capsule.crom")).unwrap();
     let model = Model::open(&file).unwrap();
     let mut workspace = Workspace::<f32>::new();
     let mut evaluator = Evaluator::new(&model, &mut workspace).unwrap();
@@ -180,8 +224,8 @@ fn without_the_paper_s_method_the_rest_is_the_same() {
         "{text}"
     );
     // A workspace for the one library is too small for the other, which says so.
-    let package = package("CAPSULE_HOST_PACKAGE");
-    let mixed = build_with(both, "gcc", &["-O2", DIRECT], &package, "quick_start", "mixed", &[]);
+    let package = host_package();
+    let mixed = build_with(both, "gcc", &["-O2", DIRECT], &package, "quick_start", "mixed");
     let refused = Command::new(mixed).output().unwrap();
     let text = [refused.stdout, refused.stderr].concat();
     let text = String::from_utf8_lossy(&text);
@@ -190,7 +234,7 @@ fn without_the_paper_s_method_the_rest_is_the_same() {
 
 #[test]
 fn the_header_is_good_for_other_languages() {
-    let include = format!("-I{}", package("CAPSULE_HOST_PACKAGE").join("include").display());
+    let include = format!("-I{}", host_package().join("include").display());
     let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header.inc");
     std::fs::write(&source, "#include <capsule.h>\ncapsule_workspace workspace;\n").unwrap();
     for words in [
@@ -207,7 +251,7 @@ fn the_header_is_good_for_other_languages() {
 
 /// Runs the C++ example of a host's package, built by a compiler with some options.
 fn cpp_output(compiler: &str, options: &[&str]) -> String {
-    let package = package("CAPSULE_HOST_PACKAGE");
+    let package = host_package();
     let (target, object) = (Path::new(env!("CARGO_TARGET_TMPDIR")), format!("model-{compiler}.o"));
     let (program, object) = (target.join(format!("quick_start-{compiler}")), target.join(object));
     run(Command::new("gcc")
@@ -243,7 +287,7 @@ fn cpp_answers_as_c_does() {
 
 #[test]
 fn the_cpp_header_needs_no_exceptions() {
-    let include = format!("-I{}", package("CAPSULE_HOST_PACKAGE").join("include").display());
+    let include = format!("-I{}", host_package().join("include").display());
     let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header.cpp");
     std::fs::write(&source, "#include <capsule.hpp>\ncapsule::Workspace workspace;\n").unwrap();
     for option in ["-fno-exceptions", "-fno-rtti"] {
@@ -271,7 +315,7 @@ fn empty_folder(name: &str) -> PathBuf {
 
 #[test]
 fn build_systems_find_the_package() {
-    let package = package("CAPSULE_HOST_PACKAGE");
+    let package = host_package();
     let folder = empty_folder("cmake");
     std::fs::write(
         folder.join("CMakeLists.txt"),
@@ -315,57 +359,54 @@ fn build_systems_find_the_package() {
 }
 
 #[test]
-fn a_microcontroller_says_the_same() {
-    for Board {
-        cpu,
-        fpu,
-        package: variable,
-        machine,
-        memory,
-    } in BOARDS
+fn the_examples_say_the_same_on_every_machine() {
+    let targets = variable("CAPSULE_TARGETS");
+    for target in targets
+        .split_whitespace()
+        .filter(|target| *target != variable("CAPSULE_HOST"))
     {
-        let package = package(variable);
-        let script = format!("-T{}", package.join("examples/cortex-m/mps2.ld").display());
-        let (cpu_option, fpu_option) = (format!("-mcpu={cpu}"), format!("-mfpu={fpu}"));
-        let options = [
-            "-O2",
-            &cpu_option,
-            "-mthumb",
-            "-mfloat-abi=hard",
-            &fpu_option,
-            "--specs=rdimon.specs",
-            &script,
-        ];
-        let start = [
-            format!("-Wl,{memory}").into(),
-            package.join("examples/cortex-m/start.c"),
-        ];
-        let direct = [&options[..], &[DIRECT]].concat();
-        let examples = EXAMPLES.map(|example| (example, &options[..]));
-        for (example, options) in examples.into_iter().chain([("quick_start", &direct[..])]) {
-            let program = build("arm-none-eabi-gcc", options, &package, example, cpu, &start);
-            let printed = run(Command::new("qemu-system-arm")
-                .args([
-                    "-M", machine, "-cpu", cpu, "-display", "none", "-serial", "none", "-monitor", "none",
-                ])
-                .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
-                .arg(program));
-            assert_eq!(printed, said(example, cpu), "{example} on {cpu}");
+        let machines: Vec<_> = MACHINES.iter().filter(|machine| machine.target == target).collect();
+        assert!(!machines.is_empty(), "no machine runs {target}");
+        for machine in machines {
+            let options: Vec<&str> = machine
+                .options
+                .iter()
+                .flat_map(|part| part.split_whitespace())
+                .collect();
+            let options = [&["-O2"], &options[..]].concat();
+            let direct = [&options[..], &[DIRECT]].concat();
+            let examples = EXAMPLES.map(|example| (example, &options));
+            for (example, options) in examples.into_iter().chain([("quick_start", &direct)]) {
+                let program = build(machine.compiler, options, &package(target), example, machine.name);
+                let printed = run(command(&machine.emulator).arg(program));
+                assert_eq!(
+                    printed,
+                    said(example, &format!("beside-{}", machine.name)),
+                    "{example} on {}",
+                    machine.name
+                );
+            }
         }
     }
 }
 
 #[test]
-fn the_archives_multiply_by_the_dsp_extension() {
-    for variable in ["CAPSULE_CORTEX_M_PACKAGE", "CAPSULE_CORTEX_M33_PACKAGE"] {
+fn the_archives_use_the_instructions_of_their_processors() {
+    let least = [("sxtb16", 2), ("smlad", 2), ("vsqrt.f32", 1)];
+    for (target, least) in [
+        ("thumbv7em-none-eabihf", &least[..]),
+        ("thumbv8m.main-none-eabihf", &least),
+        // No floating-point unit.
+        ("thumbv7em-none-eabi", &least[..2]),
+    ] {
         for library in LIBRARIES {
             let code = run(Command::new("arm-none-eabi-objdump")
                 .args(["--disassemble", "--no-show-raw-insn"])
-                .arg(package(variable).join(library)));
+                .arg(package(target).join(library)));
             // Two rows of two columns take two of each; the square root is called from everywhere.
-            for (instruction, least) in [("sxtb16", 2), ("smlad", 2), ("vsqrt.f32", 1)] {
+            for (instruction, least) in least {
                 let found = code.matches(&format!("\t{instruction}\t")).count();
-                assert!(found >= least, "{variable}, {library}: {found} times {instruction}");
+                assert!(found >= *least, "{target}, {library}: {found} times {instruction}");
             }
         }
     }

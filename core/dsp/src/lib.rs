@@ -3,7 +3,7 @@
 //! An ARM core with the DSP extension multiplies two pairs of halfwords and adds both products in one instruction,
 //! which the compiler does not use of itself; one with a floating-point unit has an instruction for the square root, as
 //! WebAssembly has, which `core` does not offer. The instructions read and write registers only; elsewhere the same is
-//! said in Rust. They need `unsafe`, which capsule-core forbids itself, so this is a crate of its own, and what it
+//! said in Rust. They need `unsafe`, which capsule-rom-core forbids itself, so this is a crate of its own, and what it
 //! exports is safe.
 //!
 //! The build script asks the assembler which of the two there are. Cortex-M4 and M7 (`thumbv7em`) have the DSP

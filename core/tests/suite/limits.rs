@@ -3,8 +3,8 @@
 
 use crate::common::{Arena, Family, distance, write};
 use capsule_core::model::wire::{Contents, Matrix};
-use capsule_core::{EvaluateError, Evaluator, Frame, Method, Model, Nodes, OpenError, Parts, Query, Real, Scene};
-use capsule_core::{Workspace, scratch_len};
+use capsule_core::{Capacities, EvaluateError, Evaluator, Frame, Method, Model, Nodes, OpenError, Parts, Query, Real};
+use capsule_core::{Scene, Workspace, scratch_len};
 
 /// A model that needs 15 parameter modes, 4 local modes and 15 neighbours: for the paper's method 12 and the ridge's 3
 /// rows.
@@ -108,6 +108,25 @@ fn a_model_that_is_one_too_large_is_refused() {
     needs("local displacement modes", |c| c.paper.displacement_rank = 5);
     needs("local velocity modes", |c| c.paper.velocity_rank = 5);
     lacks::<15, 3, 15>("local displacement modes", &modest(|_| ()));
+}
+
+#[test]
+fn the_capacities_of_a_model_are_those_of_the_smallest_workspace() {
+    let of = |change: fn(&mut Contents<'_>)| {
+        let file = modest(change);
+        let Capacities {
+            modes,
+            local_modes,
+            neighbours,
+        } = Capacities::of(&Model::open(&file).unwrap());
+        (modes, local_modes, neighbours)
+    };
+    assert_eq!(of(|_| ()), (15, 4, 15));
+    assert_eq!(of(|c| widen(c, 16)), (16, 4, 15));
+    assert_eq!(of(|c| c.kernel.neighbours = 16), (15, 4, 16));
+    assert_eq!(of(|c| c.paper.neighbours = 13), (15, 4, 16));
+    assert_eq!(of(|c| c.paper.displacement_rank = 5), (15, 5, 15));
+    assert_eq!(of(|c| c.paper.velocity_rank = 5), (15, 5, 15));
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod fom_limit;
 mod fom_run;
 mod fom_shear;
 mod fom_validate;
+mod header;
 mod identify;
 mod interrupt;
 mod membrane;
@@ -74,6 +75,8 @@ enum Command {
     Offline(Offline),
     /// Predict a capsule's motion with the reduced-order model
     Predict(predict::Options),
+    /// Print the dimensions of a model as a C header
+    Header(header::Options),
     /// Membrane properties from an outline or a picture of a capsule, or from a few lengths
     Identify(Box<identify::Options>),
     /// Accuracy and speed of the reduced-order model
@@ -160,6 +163,7 @@ fn main() -> ExitCode {
         Command::Database(Data::Export(options)) => database_export::run(&options),
         Command::Offline(Offline::Build(options)) => offline_build::run(&options),
         Command::Predict(options) => predict::run(&options),
+        Command::Header(options) => header::run(&options),
         Command::Identify(options) => identify::run(&options),
         Command::Study(Study::LeaveOneOut(options)) => study_leave_one_out::run(&options),
         Command::Study(Study::TestSet(options)) => study_test_set::run(&options),

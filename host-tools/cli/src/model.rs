@@ -2,15 +2,10 @@
 
 use anyhow::{Context, Result};
 use capsule_core::Model;
+use capsule_model::SHIPPED;
 use clap::Args;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-
-/// Aligns the embedded file so that its matrices are read in place.
-#[repr(C, align(16))]
-struct Aligned<T: ?Sized>(T);
-
-static SHIPPED: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../models/capsule.crom"));
 
 /// The model that a command works with.
 #[derive(Args)]
@@ -21,6 +16,11 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// A file, or the shipped model.
+    pub fn new(path: Option<PathBuf>) -> Self {
+        Self { path }
+    }
+
     /// The user's file.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
@@ -29,7 +29,7 @@ impl ModelFile {
     /// The bytes of the file, or of the shipped model.
     pub fn read(&self) -> Result<Cow<'static, [u8]>> {
         match &self.path {
-            None => Ok(Cow::Borrowed(&SHIPPED.0)),
+            None => Ok(Cow::Borrowed(SHIPPED)),
             Some(path) => {
                 Ok(Cow::Owned(std::fs::read(path).with_context(|| {
                     format!("could not read the model {}", path.display())

@@ -35,7 +35,7 @@ pub struct LeftOut {
 }
 
 /// Leaves out every sample in turn: builds its cluster again without it, POD and all, predicts
-/// it through capsule-core by both methods, and compares with the full-order solution.
+/// it through capsule-rom-core by both methods, and compares with the full-order solution.
 ///
 /// The instants are those of the settings' `error_times` at which the database has snapshots; they come first. Results
 /// are in the order of the clusters, samples and methods.

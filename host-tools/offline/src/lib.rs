@@ -3,7 +3,7 @@
 //! [`build`] reads the steady configurations of a database, splits them into two clusters that share a row of
 //! confinements, reduces each by the double POD of the paper (Boubehziz et al., Entropy 2021, 23, 1193, eqs. 15 to 22),
 //! measures what the model errs at each sample when it is built without it, and writes all of that as the file that
-//! capsule-core reads. [`leave_one_out`] gives those errors alone.
+//! capsule-rom-core reads. [`leave_one_out`] gives those errors alone.
 //!
 //! The paper's snapshots are displacements in the laboratory frame. Here the axial translation is a coordinate of its
 //! own: a state is the axial position of the volume centroid, times sqrt(N_x), and the displacement of the nodes in the

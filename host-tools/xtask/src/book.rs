@@ -71,7 +71,7 @@ fn pages() -> Result<Vec<Page>> {
 
 /// Compiles and runs the Rust code of the pages, in the root of the repository as a reader would.
 fn run_code(pages: &[Page]) -> Result<()> {
-    run(&mut command("cargo build --quiet --package capsule-core"))?;
+    run(&mut command("cargo build --quiet --package capsule-rom-core"))?;
     let built = target_directory().join("debug");
     let supports = output(&mut command("rustdoc --help"))?.contains("--test-run-directory");
     if !supports {

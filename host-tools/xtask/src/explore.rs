@@ -35,7 +35,7 @@ pub fn build() -> Result<()> {
     let model = root().join("models/capsule.crom");
     if !model.is_file() {
         bail!(
-            "{} is missing: `cargo run --release -p capsule-cli -- offline build` makes it from models/database",
+            "{} is missing: `cargo run --release -p capsule-rom -- offline build` makes it from models/database",
             model.display()
         );
     }

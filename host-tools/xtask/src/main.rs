@@ -65,8 +65,8 @@ enum Task {
     Scenes,
     /// Generate core/capi/include/capsule.h from the Rust sources
     Header,
-    /// Build an archive of the C interface for this machine and for Cortex-M into target/package
-    Package,
+    /// Build archives of the C interface, one for each target, into target/package
+    Package(package::Options),
     /// Build the wheel of the Python package, with the command in it, into target/python/wheels
     Python,
     /// Build the WebAssembly modules into wasm/explorer/src/wasm
@@ -105,7 +105,7 @@ fn main() -> ExitCode {
         Task::Mutants(options) => mutants::mutants(&options),
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),
-        Task::Package => package::package(),
+        Task::Package(options) => package::package(&options),
         Task::Python => python::package(),
         Task::Wasm => wasm::build(),
         Task::Npm => npm::npm(),

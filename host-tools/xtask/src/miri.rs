@@ -16,8 +16,8 @@ const QUICK: [&str; 1] = ["--package capsule-capi --test refusals -- \
 /// All tests that make sense in Miri; they take tens of minutes.
 const ALL: [&str; 3] = [
     "--package capsule-capi --lib --test refusals",
-    "--package capsule-core --lib",
-    "--package capsule-core --test suite -- flips",
+    "--package capsule-rom-core --lib",
+    "--package capsule-rom-core --test suite -- flips",
 ];
 
 #[derive(clap::Args)]

@@ -9,7 +9,7 @@ use anyhow::Result;
 #[derive(clap::Args)]
 pub struct Options {
     /// Change the functions of these crates
-    #[arg(long, value_delimiter = ',', default_values = ["capsule-core", "capsule-database"])]
+    #[arg(long, value_delimiter = ',', default_values = ["capsule-rom-core", "capsule-database"])]
     package: Vec<String>,
     /// Run one of N equal samples of the mutants, counted from 0
     #[arg(long, value_name = "K/N", default_value = "0/1")]

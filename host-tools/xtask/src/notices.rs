@@ -162,7 +162,7 @@ fn linked(package: &str, target: &str) -> Result<BTreeSet<Crate>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{package, targets};
+    use crate::targets;
 
     /// Cargo's own list of the linked crates.
     fn tree(package: &str, target: &str) -> BTreeSet<String> {
@@ -183,14 +183,9 @@ mod tests {
 
     #[test]
     fn every_linked_crate_is_named_with_a_text() {
-        let host = package::host().unwrap();
-        for (package, target) in [
-            ("capsule-capi", &*host),
-            ("capsule-capi", targets::CORTEX_M),
-            ("capsule-capi", targets::CORTEX_M33),
-            ("capsule-wasm", targets::WASM),
-            ("capsule-identify-wasm", targets::WASM),
-        ] {
+        let archives = targets::ARCHIVES.iter().map(|archive| ("capsule-capi", archive.target));
+        let modules = ["capsule-wasm", "capsule-identify-wasm"].map(|package| (package, targets::WASM));
+        for (package, target) in archives.chain(modules) {
             let (tree, notices) = (tree(package, target), of(package, target).unwrap());
             assert!(tree.len() > 8, "{tree:?}");
             for heading in &tree {

@@ -2,9 +2,10 @@
 
 use crate::command::{command, output, run};
 use crate::setup::{self, Tool};
-use crate::targets::{CORTEX_M, CORTEX_M33};
+use crate::targets::ARCHIVES;
 use crate::{header, notices, root, target_directory};
 use anyhow::{Context, Result};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -41,19 +42,52 @@ const DESCRIPTIONS: [(&str, &str); 7] = [
     ("zephyr/Kconfig", "zephyr/Kconfig"),
 ];
 
-/// Builds the archives of this machine and of Cortex-M.
-pub fn package() -> Result<()> {
-    for target in [host()?, CORTEX_M.to_owned(), CORTEX_M33.to_owned()] {
-        let folder = folder(&target)?;
+#[derive(clap::Args)]
+pub struct Options {
+    /// Build the archive of this target alone; may be repeated [default: all]
+    #[arg(long = "target", value_name = "TARGET", value_parser = targets())]
+    targets: Vec<String>,
+    /// Then link the examples with the archives and run them in emulators: they say what they say on this machine
+    #[arg(long)]
+    check: bool,
+}
+
+fn targets() -> PossibleValuesParser {
+    PossibleValuesParser::new(ARCHIVES.map(|archive| PossibleValue::new(archive.target).help(archive.runs_on)))
+}
+
+/// Builds the archives.
+pub fn package(options: &Options) -> Result<()> {
+    let mut targets: Vec<&str> = ARCHIVES.iter().map(|archive| archive.target).collect();
+    if !options.targets.is_empty() {
+        targets.retain(|target| options.targets.iter().any(|wanted| wanted == target));
+    }
+    for target in &targets {
+        let folder = folder(target)?;
         run(&mut command(&format!(
             "tar -czf {0}.tar.gz -C {1} {2}",
             folder.display(),
             packages().display(),
-            name(&target)
+            name(target)
         )))?;
         println!("{}.tar.gz", folder.display());
     }
+    if options.check {
+        setup::bring(&setup::EMULATORS)?;
+        test(&targets, "the_examples_say_the_same_on_every_machine")?;
+    }
     Ok(())
+}
+
+/// Runs tests of this machine's archive and of those of some targets, whose folders were built. `name` is part of the
+/// tests' names.
+pub fn test(targets: &[&str], name: &str) -> Result<()> {
+    let host = host()?;
+    folder(&host)?;
+    run(command(&format!("cargo test --workspace --test c -- {name}"))
+        .env("CAPSULE_PACKAGES", packages())
+        .env("CAPSULE_HOST", host)
+        .env("CAPSULE_TARGETS", targets.join(" ")))
 }
 
 /// Builds the archive's folder for a target and returns it.
@@ -66,7 +100,10 @@ pub fn folder(target: &str) -> Result<PathBuf> {
         copy(&build(&library, target)?, &folder.join("lib").join(library.name))?;
     }
     copy(&header::path(), &folder.join("include/capsule.h"))?;
-    copy(&source.join("include/capsule.hpp"), &folder.join("include/capsule.hpp"))?;
+    for header in ["capsule.hpp", "capsule_model.h"] {
+        let header = Path::new("include").join(header);
+        copy(&source.join(&header), &folder.join(&header))?;
+    }
     for (template, place) in DESCRIPTIONS {
         describe(&source.join("packaging").join(template), &folder.join(place))?;
     }
@@ -107,11 +144,10 @@ fn build(library: &Library, target: &str) -> Result<PathBuf> {
 /// Cortex-M4F that takes 2 % less code than its own limit for size.
 pub fn interface(library: &Library, target: &str, crate_type: &str, flags: &str) -> Result<()> {
     setup::bring(&[Tool::Target(target)])?;
-    let cpu = match target {
-        CORTEX_M => Some("cortex-m4"),
-        CORTEX_M33 => Some("cortex-m33"),
-        _ => None,
-    };
+    let cpu = ARCHIVES
+        .iter()
+        .find(|archive| archive.target == target)
+        .and_then(|archive| archive.cpu);
     let mut build = command(&format!(
         "cargo rustc --quiet --package capsule-capi --crate-type {crate_type} --features {} --profile embedded \
          --target {target} -- -C llvm-args=-inline-threshold=7 {flags}",

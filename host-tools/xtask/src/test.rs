@@ -39,7 +39,7 @@ enum Stage {
     Miri,
     /// the core on emulated Cortex-M4F, M7 and M33
     Firmware,
-    /// the C interface: its archives, on this machine and on emulated Cortex-M4F, M7 and M33
+    /// the C interface: its archives, on this machine and on emulated Cortex-M4, M7 and M33
     C,
     /// instructions, stack and bytes of the online stage on an emulated Cortex-M4F
     Budgets,
@@ -67,6 +67,7 @@ impl Stage {
             Self::C => &[
                 setup::CORTEX_M,
                 setup::CORTEX_M33,
+                setup::CORTEX_M_SOFT,
                 setup::GCC,
                 setup::CLANG,
                 setup::CMAKE,
@@ -121,16 +122,11 @@ impl Stage {
             Self::Miri => miri::miri(&miri::Options { quick: true }),
             Self::Firmware => run(&mut command("cargo test --workspace --test firmware")),
             Self::C => {
-                let host = package::host()?;
-                let mut test = command("cargo test --workspace --test c");
-                for (variable, target) in [
-                    ("CAPSULE_HOST_PACKAGE", &*host),
-                    ("CAPSULE_CORTEX_M_PACKAGE", targets::CORTEX_M),
-                    ("CAPSULE_CORTEX_M33_PACKAGE", targets::CORTEX_M33),
-                ] {
-                    test.env(variable, package::folder(target)?);
+                let targets = [targets::CORTEX_M, targets::CORTEX_M33, targets::CORTEX_M_SOFT];
+                for target in targets {
+                    package::folder(target)?;
                 }
-                run(&mut test)
+                package::test(&targets, "")
             }
             Self::Budgets => budgets::budgets(&budgets::Options::default()),
             Self::Fuzz => {
