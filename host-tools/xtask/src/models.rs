@@ -5,10 +5,7 @@ use crate::{root, target_directory};
 use anyhow::{Context, Result};
 
 /// Files in `models/`, and the options of `offline build` that make them.
-const MODELS: [(&str, &str); 2] = [
-    ("capsule-small.crom", "--tolerance 1.5e-3"),
-    ("capsule.crom", ""),
-];
+const MODELS: [(&str, &str); 2] = [("capsule-small.crom", "--tolerance 1.5e-3"), ("capsule.crom", "")];
 
 /// The creation time of the models, in seconds since 1970: with the same snapshots it gives the same bytes.
 const CREATED: &str = "0";
