@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the model with other programs that make reduced-order models, on the same samples.
 
-  python3 docs/peers/compare.py [--json FILE] [--only NAME,NAME]
+  python3 docs/peers/compare.py [--json FILE] [--only NAME NAME ...]
 
 Every program is fitted to the surfaces of the samples at t = 8, with each of its settings, and asked at the
 configurations of the test set. Run it in the root of the repository, with the command `capsule-rom` on the path and
@@ -124,11 +124,10 @@ def smt(points, surfaces, kernel):
     return lambda point: np.array([model.predict_values(point)[0, 0] for model in models]) @ modes
 
 
-# For each program its fit, kernels, coordinates, and whether the domain is split. Those that take minutes for a setting
-# have the coordinates that were best for the others.
+# For each program its fit, kernels, coordinates, and whether the domain is split. Kriging takes minutes for a setting.
 PROGRAMS = {
     "EZyRB, POD + RBF": (radial, ["thin_plate_spline", "cubic", "quintic"], COORDINATES, [False, True]),
-    "EZyRB, POD + GPR": (gaussian_process, ["defaults", "Gauss", "Matern 5/2"], COORDINATES[1::2], [False, True]),
+    "EZyRB, POD + GPR": (gaussian_process, ["defaults", "Gauss", "Matern 5/2"], COORDINATES, [False, True]),
     "pyMOR, POD + VKOGA": (pymor, ["defaults", "Matern 5/2 1", "Matern 5/2 4"], COORDINATES, [False, True]),
     "SMT, POD + kriging": (smt, ["squar_exp"], COORDINATES[3:], [True]),
 }
@@ -223,7 +222,7 @@ def ours(model, task, path):
 
 def compare(program, parameters, surfaces, task, limit):
     """All settings of a program."""
-    fit, *settings = program
+    fit, *settings = PROGRAMS[program]
     rows = []
     for kernel, name, split in itertools.product(*settings):
         start = time.perf_counter()
@@ -232,7 +231,8 @@ def compare(program, parameters, surfaces, task, limit):
             parts = Parts(fit, parameters, surfaces.reshape(len(surfaces), -1), kernel, name, split, limit)
             row = task.judge(parts)
         seconds = time.perf_counter() - start
-        rows.append({"kernel": kernel, "coordinate": name, "split": split, **row})
+        given = {"program": program, "kernel": kernel, "coordinate": name, "models": 1 + split}
+        rows.append({**given, **row})
         print(f"  {rows[-1]}  {seconds:.0f} s", flush=True)
     return rows
 
@@ -240,7 +240,8 @@ def compare(program, parameters, surfaces, task, limit):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--json", type=Path, help="write the results")
-    arguments.add_argument("--only", nargs="+", choices=PROGRAMS, default=list(PROGRAMS), help="these programs alone")
+    alone = "these programs alone; the file keeps the results of the others"
+    arguments.add_argument("--only", nargs="+", choices=PROGRAMS, default=list(PROGRAMS), help=alone)
     options = arguments.parse_args()
     logging.disable(logging.WARNING)
     WORK.mkdir(parents=True, exist_ok=True)
@@ -255,20 +256,23 @@ def main():
     task = Task(queries[inside], expected[inside])
     versions = {package: importlib.metadata.version(package) for package in PACKAGES}
     results = {"t": T, "queries": len(task.queries), "away_from_ca": AWAY, "versions": versions, "designs": {}}
+    kept = json.loads(options.json.read_text())["designs"] if options.json and options.json.exists() else {}
     for design, path in ("paper", grid), ("shipped", shipped):
         rows = rows_of(parameters, models[design].samples)
         print(f"{design}: {len(rows)} samples")
         found = {"samples": len(rows), "ours": ours(models[design], task, path)}
         print("\n".join(f"  {row}" for row in found["ours"]))
-        found["settings"], found["best"] = {}, []
+        settings = kept.get(design, {}).get("settings", [])
+        settings = [row for row in settings if row["program"] not in options.only]
         results["designs"][design] = found
         for name in options.only:
             print(name)
-            settings = compare(PROGRAMS[name], parameters[rows], surfaces[rows], task, limit)
-            found["settings"][name] = settings
-            found["best"].append({"program": name, **min(settings, key=lambda row: row["mean_percent"])})
-            if options.json:
-                options.json.write_text(json.dumps(results, indent=1) + "\n")
+            settings += compare(name, parameters[rows], surfaces[rows], task, limit)
+        tried = [[row for row in settings if row["program"] == name] for name in PROGRAMS]
+        found["best"] = [min(rows, key=lambda row: row["mean_percent"]) for rows in tried if rows]
+        found["settings"] = settings
+    if options.json:
+        options.json.write_text(json.dumps(results, indent=1) + "\n")
 
 
 if __name__ == "__main__":
