@@ -41,6 +41,7 @@ Examples:
   capsule-rom offline build
   capsule-rom offline build --database models/database --out smaller.crom --tolerance 1e-3
   capsule-rom offline build --paper-ranks --out paper.crom --plots plots/ --json
+  capsule-rom offline build --design paper --out grid.crom
   capsule-rom offline build --from data.npz --out data.crom
   capsule-rom offline build --from series/ --split confinement=0.9 --out data.crom
 

@@ -5,7 +5,7 @@ use crate::outputs::Outputs;
 use anyhow::{Context, Result, bail};
 use capsule_database::{Collection, Database};
 use capsule_offline::{Settings, Source, Split};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -16,10 +16,21 @@ pub struct SourceOptions {
     /// Other people's data instead: a .npz or .h5 file, or a folder of VTU series with parameters.csv
     #[arg(long, value_name = "PATH", conflicts_with = "database")]
     pub from: Option<PathBuf>,
+    /// Configurations of the database that take part
+    #[arg(long, value_enum, default_value_t = Samples::All, conflicts_with = "from")]
+    design: Samples,
     /// Split the domain of --from where the solution has a kink or a jump: samples there belong to both parts. The name
     /// may stand in quotes as in CSV
     #[arg(long, value_name = "NAME=VALUE", requires = "from")]
     split: Option<String>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Samples {
+    /// All of the database
+    All,
+    /// Only the steady ones on the paper's grid, without the ring around it
+    Paper,
 }
 
 /// Snapshots in memory or on the disk.
@@ -41,7 +52,10 @@ impl SourceOptions {
     pub fn open(&self) -> Result<(Snapshots, Settings)> {
         let Some(path) = &self.from else {
             let database = Database::open(&self.database)?;
-            let settings = Settings::of_database(&database);
+            let settings = match self.design {
+                Samples::All => Settings::of_database(&database),
+                Samples::Paper => Settings::of_paper_design(),
+            };
             return Ok((Snapshots::Database(Box::new(database)), settings));
         };
         let (collection, notes) = Collection::read(path)?;

@@ -4,10 +4,9 @@ use crate::outputs::Outputs;
 use crate::source::SourceOptions;
 use crate::{print, progress};
 use anyhow::{Result, bail};
-use capsule_offline::Settings;
 use capsule_plot::{Cells, Figure, Panel};
 use capsule_study::Report;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -15,9 +14,6 @@ use std::path::{Path, PathBuf};
 pub struct Options {
     #[command(flatten)]
     source: SourceOptions,
-    /// Configurations of the database that take part
-    #[arg(long, value_enum, default_value_t = Samples::All, conflicts_with = "from")]
-    design: Samples,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -30,14 +26,6 @@ pub struct Options {
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Samples {
-    /// All of the database
-    All,
-    /// Only the steady ones on the paper's grid, without the ring around it
-    Paper,
 }
 
 const EXAMPLES: &str = "\
@@ -55,11 +43,8 @@ pub fn run(options: &Options) -> Result<()> {
     let outputs = options.source.reads(Outputs::default());
     let outputs = outputs.file("--csv", options.csv.as_deref());
     let mut outputs = outputs.folder("--plots", options.plots.as_deref()).checked()?;
-    let (snapshots, mut settings) = options.source.open()?;
+    let (snapshots, settings) = options.source.open()?;
     let bar = progress::tasks(options.quiet);
-    if let Samples::Paper = options.design {
-        settings = Settings::of_paper_design();
-    }
     let report = capsule_study::leave_one_out(snapshots.source(), &settings, &|task, done, of| {
         progress::show(&bar, task, done, of);
     })?;

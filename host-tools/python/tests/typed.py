@@ -16,7 +16,8 @@ def predict(path: Path) -> NDArray[np.float32]:
     lengths: NDArray[np.float32] = answer.observables(3.0).axial_length
     tensions = answer.fields(3.0).tension_1 + answer.totals(3.0).energy + answer.bound(3.0)
     low: float = model.parameters[0].min
-    return positions[0, 0] + lengths + tensions + answer.outline("midplane", low)
+    sum_of_all: NDArray[np.float32] = positions[0, 0] + lengths + tensions + answer.outline("midplane", low)
+    return sum_of_all
 
 
 def identify(model: capsule_rom.Model, contour: NDArray[np.float64]) -> float:

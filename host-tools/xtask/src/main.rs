@@ -10,6 +10,7 @@ mod fuzz;
 mod header;
 mod licences;
 mod miri;
+mod models;
 mod mutants;
 mod notices;
 mod npm;
@@ -61,6 +62,8 @@ enum Task {
     Miri(miri::Options),
     /// Find changes of the core and of the database that no test notices, with cargo-mutants; takes hours
     Mutants(mutants::Options),
+    /// Build the models of all sizes from models/database into models
+    Models,
     /// Print the cost of each scene: instructions, operations, bytes, time
     Scenes,
     /// Generate core/capi/include/capsule.h from the Rust sources
@@ -102,6 +105,7 @@ fn main() -> ExitCode {
         Task::Conformance(options) => conformance::conformance(&options),
         Task::Fuzz(options) => fuzz::fuzz(&options),
         Task::Miri(options) => miri::miri(&options),
+        Task::Models => models::build(),
         Task::Mutants(options) => mutants::mutants(&options),
         Task::Scenes => scenes::scenes(),
         Task::Header => header::write(),

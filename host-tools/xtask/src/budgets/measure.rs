@@ -3,7 +3,7 @@
 use crate::command::{command, command_in, output, run};
 use crate::package::{DIRECT, FULL, Library};
 use crate::{header, package, root, target_directory, targets, wasm};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -17,24 +17,30 @@ const QUERIES: usize = 1001;
 /// All figures.
 pub fn measure() -> Result<Map<String, Value>> {
     let package = package::folder(targets::CORTEX_M)?;
-    let mut figures = Map::new();
-    for text in [emulated(&package, "budgets.c", &[])?, identification()?] {
-        for line in text.lines().filter(|line| !line.contains("_bits ")) {
-            let (name, value) = line
-                .split_once(' ')
-                .ok_or_else(|| anyhow!("unexpected output of the board: {line}"))?;
-            let value: u64 = value
-                .parse()
-                .with_context(|| format!("unexpected output of the board: {line}"))?;
-            let name = if name.ends_with("_instructions") {
-                format!("m4f_{name}")
-            } else {
-                name.to_owned()
-            };
-            figures.insert(name, value.into());
-        }
+    let mut figures = online(&package, &shipped())?;
+    add(&mut figures, &identification()?)?;
+    figures.insert("workspace_bytes".into(), capsule_capi::WORKSPACE_SIZE.into());
+    for (prefix, library) in [("", FULL), ("direct_", DIRECT)] {
+        let [text, flash] = code(&package, &library)?;
+        figures.insert(format!("{prefix}text_bytes"), text.into());
+        figures.insert(format!("{prefix}flash_bytes"), flash.into());
     }
-    let costs = costs(&package, QUERIES)?;
+    figures.insert("direct_wasm_bytes".into(), bytes(&module(&DIRECT)?)?.into());
+    figures.insert("wasm_bytes".into(), bytes(&module(&FULL)?)?.into());
+    Ok(figures)
+}
+
+/// The figures of another model.
+pub fn of_model(model: &Path) -> Result<Map<String, Value>> {
+    let model = model.canonicalize().with_context(|| model.display().to_string())?;
+    online(&package::folder(targets::CORTEX_M)?, &model)
+}
+
+/// The figures that depend on the model: its queries on the board, and its bytes.
+fn online(package: &Path, model: &Path) -> Result<Map<String, Value>> {
+    let mut figures = Map::new();
+    add(&mut figures, &emulated(package, model, "budgets.c", &[])?)?;
+    let costs = costs(package, model, QUERIES)?;
     let of = |kind: &str| {
         costs
             .iter()
@@ -47,25 +53,39 @@ pub fn measure() -> Result<Map<String, Value>> {
     let greatest = random.iter().chain(adversarial).max().copied().unwrap_or_default();
     figures.insert("m4f_observables_instructions".into(), median(random).into());
     figures.insert("m4f_observables_greatest_instructions".into(), greatest.into());
-    figures.insert("workspace_bytes".into(), capsule_capi::WORKSPACE_SIZE.into());
-    for (prefix, library) in [("", FULL), ("direct_", DIRECT)] {
-        let [text, flash] = code(&package, &library)?;
-        figures.insert(format!("{prefix}text_bytes"), text.into());
-        figures.insert(format!("{prefix}flash_bytes"), flash.into());
-    }
-    let bytes =
-        |path: &Path| Ok::<u64, anyhow::Error>(path.metadata().with_context(|| path.display().to_string())?.len());
-    figures.insert("model_bytes".into(), bytes(&root().join("models/capsule.crom"))?.into());
-    figures.insert("direct_wasm_bytes".into(), bytes(&module(&DIRECT)?)?.into());
-    figures.insert("wasm_bytes".into(), bytes(&module(&FULL)?)?.into());
+    figures.insert("model_bytes".into(), bytes(model)?.into());
     Ok(figures)
+}
+
+/// Adds the figures that the board printed, "name value" in each line.
+fn add(figures: &mut Map<String, Value>, text: &str) -> Result<()> {
+    for line in text.lines().filter(|line| !line.contains("_bits ")) {
+        let unexpected = || format!("unexpected output of the board: {line}");
+        let (name, value) = line.split_once(' ').with_context(unexpected)?;
+        let value: u64 = value.parse().with_context(unexpected)?;
+        let name = if name.ends_with("_instructions") {
+            format!("m4f_{name}")
+        } else {
+            name.to_owned()
+        };
+        figures.insert(name, value.into());
+    }
+    Ok(())
+}
+
+fn bytes(file: &Path) -> Result<u64> {
+    Ok(file.metadata().with_context(|| file.display().to_string())?.len())
+}
+
+fn shipped() -> PathBuf {
+    root().join("models/capsule.crom")
 }
 
 /// Prints the median and the maximum of the queries' costs, and their ratio, as CSV.
 pub fn spread(queries: usize) -> Result<()> {
     let package = package::folder(targets::CORTEX_M)?;
     println!("queries,count,median,greatest,ratio");
-    for (kind, counts) in costs(&package, queries)? {
+    for (kind, counts) in costs(&package, &shipped(), queries)? {
         let (median, Some(&greatest)) = (median(&counts), counts.last()) else {
             continue;
         };
@@ -77,8 +97,8 @@ pub fn spread(queries: usize) -> Result<()> {
 
 /// Instructions of queries to the observables, in increasing order: random, adversarial and extrapolated queries, and a
 /// few by the paper's method.
-fn costs(package: &Path, queries: usize) -> Result<Vec<(&'static str, Vec<u64>)>> {
-    let text = emulated(package, "spread.c", &[format!("-DRANDOM={queries}")])?;
+fn costs(package: &Path, model: &Path, queries: usize) -> Result<Vec<(&'static str, Vec<u64>)>> {
+    let text = emulated(package, model, "spread.c", &[format!("-DRANDOM={queries}")])?;
     let of = |kind: &'static str| {
         let counts = text.lines().filter_map(|line| line.strip_prefix(kind));
         let mut counts: Vec<u64> = counts
@@ -104,14 +124,15 @@ fn median(sorted: &[u64]) -> u64 {
 }
 
 /// Runs a program of tests/budgets on the emulated board and returns its output.
-fn emulated(package: &Path, source: &str, defines: &[String]) -> Result<String> {
+fn emulated(package: &Path, model: &Path, source: &str, defines: &[String]) -> Result<String> {
     let program = target_directory().join("budgets.elf");
     run(command(
         "arm-none-eabi-gcc -std=c11 -O2 -Wall -Wextra -Werror -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \
          -mfpu=fpv4-sp-d16 --specs=rdimon.specs -Wl,--gc-sections -Iinclude -T examples/cortex-m/mps2.ld \
-         -DMODEL=\"models/capsule.crom\" examples/cortex-m/start.c examples/model.S",
+         examples/cortex-m/start.c examples/model.S",
     )
     .current_dir(package)
+    .arg(format!("-DMODEL=\"{}\"", model.display()))
     .args(defines)
     .arg(root().join("tests/budgets").join(source))
     .args(["lib/libcapsule.a", "-o"])

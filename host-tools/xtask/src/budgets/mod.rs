@@ -6,7 +6,7 @@ mod measure;
 use crate::command::{command, output};
 use crate::root;
 use anyhow::{Context, Result, bail};
-use measure::{measure, spread};
+use measure::{measure, of_model, spread};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -37,6 +37,9 @@ pub struct Options {
     /// Measure instead how the cost of a query varies, over this many random queries and over chosen ones
     #[arg(long, value_name = "QUERIES", conflicts_with_all = ["json", "write"])]
     spread: Option<usize>,
+    /// Measure instead what depends on the model with this one, without a comparison
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["write", "spread"])]
+    model: Option<PathBuf>,
 }
 
 /// Measures the figures and compares them with their limits and with the record.
@@ -44,7 +47,7 @@ pub fn budgets(options: &Options) -> Result<()> {
     if let Some(queries) = options.spread {
         return spread(queries);
     }
-    let figures = measure()?;
+    let figures = options.model.as_deref().map_or_else(measure, of_model)?;
     if options.json {
         println!("{:#}", Value::Object(figures.clone()));
     } else {
@@ -56,6 +59,9 @@ pub fn budgets(options: &Options) -> Result<()> {
             });
             println!("{name:<36} {figure:>12}{aim}");
         }
+    }
+    if options.model.is_some() {
+        return Ok(());
     }
     let beyond = beyond(&figures);
     if !beyond.is_empty() {
