@@ -138,17 +138,17 @@ describe("capsule-explorer", () => {
        <script type="module" src="./node_modules/capsule-explorer/dist/capsule-explorer.js"></script>
        <capsule-explorer id="first" views="solid" controls="none" style="width: 9rem; height: 9rem"></capsule-explorer>
        <capsule-explorer id="second" ca="0.05" views="measured" half="25" vel="5" visc="0.8"></capsule-explorer>
-       <output></output>
+       <output id="answer"></output>
        <script type="module">
          import { load } from "./node_modules/capsule-rom/dist/index.js";
          const model = await load();
-         document.querySelector("output").value = model.predict(0.05, 0.9).observables(2).axial_length;
+         document.querySelector("#answer").value = model.predict(0.05, 0.9).observables(2).axial_length;
        </script>`,
       async (page, requests) => {
         await page.waitForFunction(() => document.querySelectorAll('[data-status="ready"]').length === 2);
-        await page.waitForFunction(() => document.querySelector("output").value !== "");
+        await page.waitForFunction(() => document.querySelector("#answer").value !== "");
         const second = await page.$eval("#second", (element) => element.read());
-        assert.equal(String(second.axial_length), await page.$eval("output", ({ value }) => value));
+        assert.equal(String(second.axial_length), await page.$eval("#answer", ({ value }) => value));
         await page.waitForSelector("#first canvas", { state: "attached" });
         await page.locator("#second input[type=file]").first().setInputFiles(written("outline.csv", TEXT));
         await page.waitForSelector("#second output[data-identified]");
