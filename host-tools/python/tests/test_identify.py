@@ -47,6 +47,30 @@ def test_a_contour_gives_the_numbers_of_the_command(model, tmp_path, observable)
     assert gaps.max() < 0.1
 
 
+def test_a_dent_line_gives_the_numbers_of_the_command(model, tmp_path):
+    answer = model.predict(0.06, 0.95)
+    random = np.random.default_rng(3)
+    section = answer.outline("midplane", 20.0)
+    behind = section[section[:, 0].argmin() :]
+    contour, line = (
+        points + 0.08 * random.normal(size=points.shape) for points in (closed(answer.silhouette(20.0)), closed(behind))
+    )
+    files = [tmp_path / "contour.csv", tmp_path / "line.csv"]
+    for file, points in zip(files, (contour, line)):
+        np.savetxt(file, points, delimiter=",", header="x_um,y_um", comments="", fmt="%.17g")
+    setup = {"observable": "silhouette", "flow": "right", **SETUP}
+    found = model.identify(contour, dent_line=line, **setup)
+    options = [*OPTIONS, "--observable", "silhouette", "--flow", "right", "--dent-line", str(files[1])]
+    expected = command("identify", str(files[0]), *options)
+    for key in ["verdict", "ca", "ca_95", "radius_um_95", "dent_line_residual_um"]:
+        assert found.details[key] == expected[key], key
+    assert model.identify(files[0], dent_line=files[1], **setup).ca == found.ca
+    alone = model.identify(contour, **setup)
+    assert np.ptp(found.ca.interval_95) < 0.8 * np.ptp(alone.ca.interval_95)
+    with pytest.raises(capsule_rom.MeasurementError, match="contour"):
+        model.identify(dent_line=line, axial_length_um=(49.2, 0.2), width_um=(41.6, 0.2), **setup)
+
+
 def test_pixels_and_lengths(model):
     contour = closed(model.predict(0.06, 0.85).outline("midplane", 20.0))
     in_um = model.identify(contour, observable="midplane", flow="right", pixel_um=0.25, unit="um", **SETUP)

@@ -15,7 +15,6 @@ use crate::model::ModelFile;
 use crate::outputs::Outputs;
 use crate::print;
 use anyhow::{Context, Result, ensure};
-use capsule_identify::MAX_HALF;
 use capsule_measurement::Bench;
 use clap::error::ErrorKind;
 use clap::{Args, Subcommand};
@@ -158,10 +157,7 @@ fn one(options: &One) -> Result<()> {
         eprintln!("warning: {warning}");
     }
     if let (Some(file), Some(outline)) = (&options.plot, &outline) {
-        let curve: Vec<[f64; 2]> = (0..=8 * MAX_HALF)
-            .map(|i| solved.shape.curve.position(i as f64 / (8 * MAX_HALF) as f64))
-            .collect();
-        let figure = figure(&solved.found, &outline.points_um, &curve, setup.half_width_um);
+        let figure = figure(&solved.found, outline, &solved.shape, setup.half_width_um);
         outputs.write(file, |file| figure.save(file))?;
     }
     outputs.finish()?;

@@ -1,26 +1,33 @@
 //! The plot of `capsule-rom identify`.
 
-use capsule_identify::Identification;
+use capsule_identify::{Identification, MAX_HALF, Shape};
+use capsule_measurement::Outline;
 use capsule_plot::{Axis, Curve, Figure, Lines, Panel};
 
-/// The contour and the fitted outline, and beside them the residuals along the contour.
-pub fn figure(found: &Identification, points: &[[f64; 2]], curve: &[[f64; 2]], half_width_um: f64) -> Figure {
-    let mirrored = curve.iter().rev().map(|[x, y]| [*x, -y]);
-    let closed: Vec<[f64; 2]> = curve.iter().copied().chain(mirrored).collect();
-    let pair = |[x, y]: [f64; 2]| (x, y);
+/// The contour and the fitted outline, with the dent line and the fitted section if there is one, and beside them the
+/// residuals along the contour.
+pub fn figure(found: &Identification, outline: &Outline, shape: &Shape, half_width_um: f64) -> Figure {
+    let points = &outline.points_um;
+    let closed = whole(&shape.curve);
+    let placed = |points: &[[f64; 2]]| points.iter().map(|point| pair(found.frame.place_um(*point))).collect();
     let title = format!(
         "Ca = {:.4}, a = {:.3} um, {}",
         found.capillary_number.value,
         found.confinement.value * half_width_um,
         found.verdict.name()
     );
-    let outline = Lines::new(&title, Axis::linear("x / um"), Axis::linear("y / um"))
+    let mut fit = Lines::new(&title, Axis::linear("x / um"), Axis::linear("y / um"))
         .same_scale()
         .with(Curve::points("contour", points.iter().copied().map(pair).collect()))
-        .with(Curve::line(
-            "model",
-            closed.iter().map(|point| pair(found.frame.place_um(*point))).collect(),
-        ));
+        .with(Curve::line("model", placed(&closed)));
+    if !outline.dent_line_um.is_empty() {
+        fit = fit
+            .with(Curve::points(
+                "dent line",
+                outline.dent_line_um.iter().copied().map(pair).collect(),
+            ))
+            .with(Curve::line("model, section", placed(&whole(&shape.section))));
+    }
     let along = points
         .iter()
         .enumerate()
@@ -32,7 +39,19 @@ pub fn figure(found: &Identification, points: &[[f64; 2]], curve: &[[f64; 2]], h
         Axis::linear("residual / um"),
     )
     .with(Curve::points("", along));
-    Figure::new(vec![Panel::Lines(outline), Panel::Lines(residuals)])
+    Figure::new(vec![Panel::Lines(fit), Panel::Lines(residuals)])
+}
+
+fn pair([x, y]: [f64; 2]) -> (f64, f64) {
+    (x, y)
+}
+
+/// Half a curve and its mirror image, in steps as fine as a plot shows.
+fn whole(half: &capsule_identify::Curve) -> Vec<[f64; 2]> {
+    const STEPS: usize = 8 * MAX_HALF;
+    let half: Vec<[f64; 2]> = (0..=STEPS).map(|i| half.position(i as f64 / STEPS as f64)).collect();
+    let mirrored = half.iter().rev().map(|[x, y]| [*x, -y]);
+    half.iter().copied().chain(mirrored).collect()
 }
 
 /// Distance of a point from a closed curve that runs from the front over positive y to the rear and back: positive
