@@ -127,9 +127,11 @@ describe("a file", () => {
       await route.continue();
     });
     await page.goto(`${url()}#t=1${FLAT}`);
+    await page.getByText("Loading the reduced-order model").waitFor();
     const { buffer, digest } = retitled();
     await page.setInputFiles("#model-file", { name: "own.crom", mimeType: "application/octet-stream", buffer });
     await page.waitForFunction(() => document.body.dataset.status === "ready");
+    assert.equal(await page.isVisible(".loading"), false);
     release();
     await page.waitForTimeout(600);
     assert.equal(await page.getAttribute("#model", "data-digest"), digest);

@@ -16,6 +16,7 @@ export const en = {
     help: "Keys and help",
     helpHint: "Keys and help (?)",
     modelFile: "Model file (.crom) or session (.json)",
+    loading: "Loading the reduced-order model…",
     parameters: "Parameters",
     layer: "Contours on the map",
     scale: "Scale of Ca on the map",

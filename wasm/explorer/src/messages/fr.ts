@@ -29,6 +29,7 @@ export const fr: Messages = {
     help: "Raccourcis et aide",
     helpHint: "Raccourcis et aide (?)",
     modelFile: "Fichier d’un modèle (.crom) ou d’une session (.json)",
+    loading: "Chargement du modèle d'ordre réduit…",
     parameters: "Paramètres",
     layer: "Lignes de niveau sur la carte",
     scale: "Échelle de Ca sur la carte",
