@@ -10,7 +10,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// What the command prints, in a folder.
+/// The output of the command, in a folder.
 fn header(folder: &Path, arguments: &[&str]) -> String {
     let output = capsule_rom(folder, ["header"].iter().chain(arguments));
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
