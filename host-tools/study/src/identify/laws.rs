@@ -10,9 +10,10 @@ use capsule_identify::{Grid, Observable, Verdict};
 use capsule_measurement::Bench;
 use serde::Serialize;
 
+use super::plan::{From, Plan};
 use super::trials::Trial;
 use super::truth::Truth;
-use super::{From, MOST_POINTS, Plan, quantile, shown, write};
+use super::{MOST_POINTS, quantile, shown, write};
 use crate::StudyError;
 
 /// The ranges of Ca that are told apart: laws differ the more, the more the membrane is strained.
