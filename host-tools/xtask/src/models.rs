@@ -28,7 +28,7 @@ const MODELS: [Shipped; 2] = [
 
 /// Builds the models.
 pub fn build() -> Result<()> {
-    run(&mut command("cargo build --quiet --release --package capsule-cli"))?;
+    run(&mut command("cargo build --quiet --release --package capsule-rom"))?;
     let program = target_directory().join("release/capsule-rom");
     let program = program.to_str().context("the target directory is not UTF-8")?;
     for Shipped { file, options, created } in MODELS {
